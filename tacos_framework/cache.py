@@ -100,7 +100,7 @@ class LRUCache(Generic[Made]):
         self._held: OrderedDict[Hashable, Made] = OrderedDict()
 
     def get(self, key: Hashable, make: Callable[[], Made]) -> Made:
-        """What is held under `key`, or else what `make` gives, then held."""
+        """The entry under `key`, made by `make` and kept if it is not there yet."""
         if key in self._held:
             self._held.move_to_end(key)
         else:
@@ -111,6 +111,6 @@ class LRUCache(Generic[Made]):
         return self._held[key]
 
     def _has_room(self) -> bool:
-        """Whether one more fits that is as large as the largest."""
+        """True if one more entry as large as the largest fits."""
         sizes = [self._bytes_of(each) for each in self._held.values()]
         return len(sizes) < self._size and sum(sizes) + max(sizes) <= self.most_bytes

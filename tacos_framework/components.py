@@ -1,4 +1,4 @@
-"""What a plugin offers: components, named before they are imported, commands and reference pages."""
+"""Components, commands and reference pages of a plugin, declared before anything is imported."""
 
 from __future__ import annotations
 

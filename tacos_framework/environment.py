@@ -1,4 +1,4 @@
-"""What machine and what software a study ran on."""
+"""Machine and software that a study ran on."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def package_versions(further: Iterable[str] = ()) -> dict[str, str]:
 
 
 def describe_environment(workers: int, findings: Iterable[EnvironmentFinding]) -> dict[str, Any]:
-    """What to know to repeat a run: Python, platform, cores, packages, and what plugins found."""
+    """Facts to repeat a run with: Python, platform, cores, packages, and findings of plugins."""
     return {
         "python": platform.python_version(),
         "platform": platform.platform(),

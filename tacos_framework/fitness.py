@@ -81,7 +81,7 @@ class Fitness:
         return math.fsum(self.contributions(scores).values())
 
     def contributions(self, scores: Scores) -> dict[str, float]:
-        """What each score adds to the fitness; raises as :meth:`value` does."""
+        """Contribution of each score to the fitness; raises as :meth:`value` does."""
         missing = [term.score for term in self.terms if term.score not in scores]
         if missing:
             raise CandidateFailed(
@@ -91,7 +91,7 @@ class Fitness:
         return {term.score: term.weight * _finite(term.score, scores[term.score]) for term in self.terms}
 
     def weights(self, by_scenario: Mapping[str, Scores]) -> dict[str, float]:
-        """What the fitness of each scenario counts: their sum is 1, or the worst scenario's is.
+        """Weight of each scenario in the fitness: weights that sum to 1, or 1 for the worst scenario.
 
         Parameters
         ----------

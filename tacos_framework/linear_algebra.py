@@ -1,4 +1,4 @@
-"""How many threads linear algebra has."""
+"""Number of threads of the linear algebra libraries."""
 
 from __future__ import annotations
 

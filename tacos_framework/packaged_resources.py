@@ -35,7 +35,7 @@ def shipped_recipes() -> dict[str, Path]:
 
 
 def package_offering(name: str) -> str | None:
-    """What to install for a component (``procedure.NAME``) or recipe that a known package offers."""
+    """The package to install for a component (``procedure.NAME``) or recipe of a known distribution."""
     known = read_json(shipped_folder("catalogs") / "plugin_packages.json")
     for package, offers in known.items():
         if name in (*offers["components"], *offers["recipes"]):
@@ -93,7 +93,7 @@ def shipped_names(folder: Path) -> tuple[str, ...]:
 
 
 def is_shipped_name(text: str) -> bool:
-    """Whether a text is a bare word, and so means a shipped file rather than a path."""
+    """True for a bare word, which names a shipped file rather than a path."""
     return text.replace("_", "a").replace("-", "a").isalnum()
 
 

@@ -1,4 +1,4 @@
-"""What a recipe bounds or aims at: quantities the rig derives, columns of parts, scores."""
+"""Quantities that a recipe bounds or aims at: derived by the rig, columns of parts, scores."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Breach:
 
 @dataclass(frozen=True)
 class Constraint:
-    """What a quantity must be for a candidate to count.
+    """A bound on a quantity that candidates have to keep.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ class Constraint:
             raise ValueError(f"the constraint on {self.quantity} has min {self.min:g} above max {self.max:g}")
 
     def breach(self, value: Quantity, part: str = "") -> Breach | None:
-        """How a value breaks the constraint; None where it keeps it. NaN breaks every bound.
+        """The way in which a value breaks the constraint; None if it keeps it. NaN breaks every bound.
 
         Parameters
         ----------

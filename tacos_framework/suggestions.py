@@ -1,4 +1,4 @@
-"""Which names somebody may have meant by one that is not known."""
+"""Known names that resemble an unknown one."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from tacos_framework.values.catalog_part import CatalogPart
 
 @dataclass(frozen=True)
 class CatalogColumn:
-    """What the values of one column mean.
+    """Unit, type and meaning of one column.
 
     Parameters
     ----------

@@ -55,7 +55,7 @@ class Head(Settings):
 
 
 class PartEntry(Settings):
-    """What a part may say beside its values."""
+    """Keys of a part beside its values."""
 
     source: str | None = setting(None, help="Where its values come from.")
     grade: Grade | None = setting(None, help="How far they can be trusted.")
@@ -189,7 +189,7 @@ def _cell(
 
 
 def _other_separator(heading: Sequence[str]) -> str:
-    """What to do where a table is separated as spreadsheets of many countries do; empty where it is not."""
+    """Advice for tables with the separators of spreadsheets of other countries; empty for other tables."""
     if len(heading) == 1 and any(mark in heading[0] for mark in ";\t"):
         return "Save it with commas between columns, and points in decimal numbers."
     return ""

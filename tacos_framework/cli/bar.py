@@ -31,7 +31,7 @@ LONGEST_SILENCE_S = 20.0
 
 @contextmanager
 def progress_for(*, quiet: bool, verbose: bool = False) -> Iterator[Progress]:
-    """What is said on standard error during a run: how far it is, and what is logged meanwhile.
+    """Progress on standard error during a run, with the log.
 
     Parameters
     ----------

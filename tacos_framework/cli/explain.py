@@ -109,7 +109,7 @@ def _variables(plan: Plan) -> Iterator[str]:
 
 
 def _what_it_sets(plan: Plan, variable: str) -> str:
-    """What a design variable sets, in words; empty for a variable of the rig, whose name says it."""
+    """The target of a design variable in words; empty for a variable of the rig, whose name says it."""
     target = plan.target(variable)
     if target.kind == "rig":
         return ""

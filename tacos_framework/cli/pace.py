@@ -1,4 +1,4 @@
-"""How far a phase is, and how long the rest of it may take; said now and then in the log of the run."""
+"""Progress of a phase and an estimate of the time left, said now and then in the log of the run."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Pace:
         self._began_s = clock()
 
     def __str__(self) -> str:
-        """What is done, and, once something is, how long the rest takes at the mean pace so far."""
+        """Share done, and, once something is, the time left at the mean pace so far."""
         if self.total is None or self.done > self.total:  # an estimate that what is scored again exceeds
             return f"{self.title}: {self.done} done"
         so_far = f"{self.title}: {self.done} of {self.total} done"

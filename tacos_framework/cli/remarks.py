@@ -1,4 +1,4 @@
-"""What ``tacos-run --check`` says of a study without faults."""
+"""Remarks of ``tacos-run --check`` on a study without faults."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ PARTS_NAMED = 3
 
 
 def remarks(plan: Plan, *, verbose: bool) -> Iterator[str]:
-    """What whoever builds a camera of this study should know, line by line.
+    """Remarks for whoever builds a camera of this study, line by line.
 
     Parameters
     ----------

@@ -96,7 +96,7 @@ def _device(text: str) -> str:
 
 
 def _as_a_setting(unknown: Sequence[str]) -> str:
-    """How what is no option is given to a recipe.
+    """Arguments that are no options, as overrides of a recipe.
 
     Examples
     --------
@@ -242,7 +242,7 @@ def _read(arguments: argparse.Namespace, plugins: Plugins) -> tuple[Recipe | Pro
 
 
 def _device_faults(given: str | None, plugins: Plugins) -> Iterator[Fault]:
-    """What is wrong with the device that was chosen: a GPU that this machine does not have."""
+    """The fault of the chosen device: a GPU that this machine does not have."""
     device = given or os.environ.get(DEVICE_VARIABLE, "")
     number = device.removeprefix("cuda:")
     if not (number.isascii() and number.isdecimal()) or (gpus := plugins.offers.gpus()) is None:

@@ -1,4 +1,4 @@
-"""What ``tacos-run`` says when a run has ended."""
+"""The last words of ``tacos-run`` after a run."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 
 def summary(result: Mapping[str, Any], out: Path) -> str:
-    """What a run found, in a few lines."""
+    """Result of a run in a few lines."""
     from tacos_framework.store import DESIGNED  # with numpy, which a faulty command does without
 
     if "procedure" in result:

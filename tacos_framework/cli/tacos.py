@@ -106,7 +106,7 @@ def _doctor(plugins: Plugins) -> int:
 
 
 def _findings(plugins: Plugins) -> Iterator[EnvironmentFinding]:
-    """What is found out about this machine, the quick things first."""
+    """Findings about this machine, the quick ones first."""
     import platform
 
     from tacos_framework.environment import EnvironmentFinding, usable_cores

@@ -1,4 +1,4 @@
-"""What reaches the terminal: text, and none of the control characters that files may hold.
+"""Text for the terminal, without the control characters that files may hold.
 
 A name in a recipe, a catalog or a folder may hold escape sequences that move the cursor, recolour what was
 said before, or set the title of the window; marks of direction show text in another order than it has.
@@ -38,7 +38,7 @@ class PrintableStream:
 
 @contextmanager
 def printable_output() -> Iterator[None]:
-    """What is printed meanwhile holds no control characters."""
+    """Strips control characters from all output within."""
     streams: tuple[Any, Any] = sys.stdout, sys.stderr
     sys.stdout, sys.stderr = map(PrintableStream, streams)
     try:
@@ -54,7 +54,7 @@ def terminal_errors() -> TextIO:
 
 @contextmanager
 def log_on_terminal(packages: Iterable[str]) -> Iterator[None]:
-    """What these packages note in their log meanwhile is said on standard error too."""
+    """Copies the log of these packages to standard error within."""
     from tacos_framework.store.log import heard_by
 
     handler = logging.StreamHandler(sys.stderr)

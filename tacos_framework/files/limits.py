@@ -1,4 +1,4 @@
-"""How much a file may take, and how a user changes that."""
+"""Limits of the size of files, and the ways in which a user changes them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MB = 1_000_000
 
 @dataclass(frozen=True)
 class Limits:
-    """What is refused before it is decoded, so that no file takes more than about 1 GiB.
+    """Sizes that are refused before decoding, so that no file takes more than about 1 GiB.
 
     Megabytes are 10^6 bytes. The defaults hold what people really have, an image of 80 megapixels in three
     channels among it; whoever has larger files and trusts them raises a limit.
@@ -68,7 +68,7 @@ class Limits:
         return round(getattr(self, name) * MB)
 
     def remedy(self, name: str, needed: float) -> str:
-        """What to do where a file needs more than a limit allows, in the limit's own unit."""
+        """Advice where a file needs more than a limit allows, in the limit's own unit."""
         enough = math.ceil(needed * 1.01) if math.isfinite(needed) else "..."
         return f"Where you trust the file, allow more: {VARIABLE}={name}={enough} (an environment variable)."
 

@@ -23,7 +23,7 @@ _FLAGS = os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC
 
 
 class NotAFile(OSError):
-    """What is there is no regular file; ``strerror`` says what it is: a folder, a named pipe."""
+    """Raised for paths that are no regular file; ``strerror`` names the kind: a folder, a named pipe."""
 
 
 def open_regular(path: Path) -> BufferedReader:
@@ -116,7 +116,7 @@ def too_large(where: str, what: str, size_bytes: int, limit: str) -> Fault:
 
 
 def _opened(descriptor: int, path: Path) -> Path:
-    """Where the open file lies, which a link changed meanwhile says nothing about (Linux), or the path."""
+    """Location of the open file itself (Linux), whatever a link points to meanwhile, or the path."""
     link = Path(f"/proc/self/fd/{descriptor}")
     return Path(os.readlink(link)) if link.is_symlink() else path.resolve()
 

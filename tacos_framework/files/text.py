@@ -36,7 +36,7 @@ def read_text(
 
 
 def read_json(path: Path, *, where: str | None = None, expected: str = "", remedy: str = "") -> Any:
-    """What a JSON file holds.
+    """The value in a JSON file.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def read_lines(path: Path, *, where: str | None = None) -> list[str]:
 
 
 def parse_json(text: str, where: str, expected: str = "", remedy: str = "") -> Any:
-    """What JSON text holds.
+    """The value in JSON text.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Whether what one port gives is what another takes."""
+"""Compatibility of the types of two ports."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated, Any, Union, get_args, get_origin
 
 
 def fits(given: Any, taken: Any) -> bool:
-    """Whether a value of the type `given` may go where `taken` is expected.
+    """True if a value of the type `given` may go where `taken` is expected.
 
     Classes fit their base classes, and a union takes what any of its members takes. Parameters of generic
     types must be equal. Types that plugins define are as good as any.
@@ -32,5 +32,5 @@ def fits(given: Any, taken: Any) -> bool:
 
 
 def type_name(kind: Any) -> str:
-    """What a type is called in messages."""
+    """Name of a type in messages."""
     return kind.__name__ if isinstance(kind, type) and get_origin(kind) is None else str(kind)

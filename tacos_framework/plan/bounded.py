@@ -1,4 +1,4 @@
-"""What a recipe bounds and aims at: whether there is such a quantity, and whether the bounds make sense."""
+"""Checks of bounds and aims: the quantity exists, and the bounds make sense."""
 
 from __future__ import annotations
 
@@ -37,14 +37,14 @@ class Boundable:
     complete: bool
 
     def lacks(self, name: str) -> bool:
-        """Whether there is surely no such quantity."""
+        """True if there is surely no such quantity."""
         return name not in self.units and (self.complete or "." not in name)
 
 
 def boundable(
     rig: ConfiguredComponent | None, fixed: Mapping[str, Any], space: DesignSpace | None
 ) -> Boundable | None:
-    """What may be bounded; None where there is no rig."""
+    """Quantities that may be bounded; None without a rig."""
     if rig is None:
         return None
     units = dict(rig.cls.derived_quantities)

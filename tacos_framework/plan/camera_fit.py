@@ -1,4 +1,4 @@
-"""Whether sensors and tasks can work with any camera that the design may choose."""
+"""Sensors and tasks have to work with any camera that the design may choose."""
 
 from __future__ import annotations
 

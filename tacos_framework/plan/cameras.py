@@ -1,4 +1,4 @@
-"""Whether the cameras that effects and design variables name are those of the rig."""
+"""Cameras named by effects and design variables have to be those of the rig."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What designs are scored by: scenarios, fitness, and the cameras off the shelf beside them."""
+"""Checks of scenarios, fitness, and the cameras off the shelf beside the design."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def check_scores(findings: RecipeFindings, nodes: Mapping[str, ConfiguredCompone
 
 
 def check_margins(findings: RecipeFindings) -> None:
-    """Whether every margin is that of a score which the fitness takes."""
+    """Every margin has to belong to a score of the fitness."""
     recipe = findings.recipe
     taken = [term.score for term in recipe.fitness]
     for score in recipe.test.margins if recipe.test else ():

@@ -1,4 +1,4 @@
-"""What a recipe leaves free, and within which bounds."""
+"""The variables that a recipe leaves free, with their bounds."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def _variable(findings: RecipeFindings, name: str, entry: Any, unit: str) -> Var
 
 
 def _lack_columns(findings: RecipeFindings, rig: ConfiguredComponent, space: DesignSpace) -> bool:
-    """Whether a catalog lacks a column that the rig needs of each part."""
+    """True if a catalog lacks a column that the rig needs of each part."""
     lacking = False
     for variable in space.variables:
         info = rig.cls.Variables.model_fields.get(variable.name)
@@ -149,6 +149,6 @@ def _corners(space: DesignSpace) -> Iterator[dict[str, Any]]:
 
 
 def _where_given(recipe: Recipe, fixed: Mapping[str, Any], path: KeyPath) -> str:
-    """Where a variable of the rig stands in the recipe."""
+    """Position of a rig's variable in the recipe."""
     section = "rig" if path and path[0] in fixed else "design"
     return recipe.where((section, *path))

@@ -14,7 +14,7 @@ from tacos_framework.plan.targets import EXPOSURE
 def find_exposure(
     findings: RecipeFindings, nodes: Mapping[str, ConfiguredComponent]
 ) -> ConfiguredComponent | None:
-    """What controls the exposure; None where it is fixed, or at fault."""
+    """The control of the exposure; None if the exposure is fixed, or at fault."""
     use = findings.recipe.exposure
     if use is None:
         return None

@@ -1,4 +1,4 @@
-"""Whether any camera keeps the constraints, and which of them none does."""
+"""Feasibility of the constraints: does any camera keep them, and which of them does none keep."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def infeasible(
 
 
 def derived_of(plan: Plan, values: Mapping[str, Any]) -> Mapping[str, float] | None:
-    """What the rig derives from plain values; None where it refuses them."""
+    """Quantities that the rig derives from plain values; None if it refuses them."""
     try:
         return plan.derived(values)
     except (ValidationError, CandidateFailed):
@@ -137,5 +137,5 @@ def check_feasible(findings: RecipeFindings, plan: Plan) -> None:
 
 
 def _place(plan: Plan, name: str) -> KeyPath:
-    """Where in the recipe a constraint stands; one of the rig's own, where the design does."""
+    """Position of a constraint in the recipe; for one of the rig's own, that of the design."""
     return ("constraints", name) if name in plan.recipe.constraints else ("design",)

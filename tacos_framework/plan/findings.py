@@ -1,4 +1,4 @@
-"""What is found out about a recipe: its components by name, and every fault with its place."""
+"""Components of a recipe by name, and every fault with its position."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class RecipeFindings:
         return None if cls is None else self.configured(cls, use.use, use.settings, path)
 
     def executor(self) -> ConfiguredComponent | None:
-        """Where candidates are evaluated; where the recipe does not say, what stands for it."""
+        """The executor of candidates; the default where the recipe names none."""
         path: KeyPath = ("executor",)
         use = self.recipe.executor
         try:

@@ -61,7 +61,7 @@ def find_nodes(findings: RecipeFindings) -> tuple[dict[str, ConfiguredComponent]
 
 
 def _some_left_out(findings: RecipeFindings) -> bool:
-    """Whether the recipe's text has nodes whose form is at fault, so that wires to them are not."""
+    """True if nodes of the recipe's text are faulty, which breaks wires to them as well."""
     return len(findings.recipe.keys_of("nodes")) > len(findings.recipe.nodes)
 
 
@@ -104,7 +104,7 @@ def _check_training(
 def _check_frozen_weights(
     findings: RecipeFindings, name: str, use: NodeUse, part: ConfiguredComponent
 ) -> None:
-    """Whether weights that stay as they are have been trained: the scores of others are noise."""
+    """Untrained frozen weights are reported: their scores are noise."""
     if use.train is None or use.train.weights != "frozen":
         return
     untrained = optional(part.instance, TrainableBase, "untrained")
@@ -118,7 +118,7 @@ def _check_frozen_weights(
 
 
 def _check_study_training(findings: RecipeFindings) -> None:
-    """Whether a task is trainable where the study says how to train."""
+    """A task that the study trains has to be trainable."""
     recipe = findings.recipe
     if any(use.train is not None for use in recipe.nodes.values()):
         return

@@ -1,4 +1,4 @@
-"""What somebody who builds the camera of a study should know about its parts and constraints."""
+"""Notes for whoever builds the camera of a study, about its parts and constraints."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def notes_on_constraints(plan: Plan) -> Iterator[str]:
 
 
 def notes_on_search(plan: Plan) -> Iterator[str]:
-    """What the optimizer says of a search with its settings."""
+    """Remarks of the optimizer on a search with its settings."""
     optimizer = plan.optimizer
     if callable(notes := optional(optimizer.cls, OptimizerBase, "notes")):
         with optimizer.calling("notes"):
@@ -60,7 +60,7 @@ def notes_on_catalogs(plan: Plan) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class DoubtedParts:
-    """What is in doubt about the parts of one catalog that can be chosen.
+    """Doubts about the parts of one catalog that can be chosen.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class DoubtedParts:
 
     @property
     def doubted(self) -> int:
-        """How many parts are in doubt."""
+        """Number of parts in doubt."""
         return len({name for names in self.by_doubt.values() for name in names})
 
 
@@ -160,7 +160,7 @@ def _phrase(origin: str) -> str:
 
 
 def _to_be_asked(part: CatalogPart) -> Iterator[str]:
-    """Which values of a part rest on little, with the source, so that a buyer asks the maker."""
+    """Values of a part that rest on little, with their source, to ask the maker about."""
     found: dict[tuple[Grade, str], list[str]] = {}
     for column, grade in part.grades.items():
         if grade in ASK_THE_MAKER:
@@ -189,7 +189,7 @@ def _unknown_parts(plan: Plan) -> Iterator[tuple[str, CatalogChoice, tuple[str, 
 
 
 def _rules_out_parts(quantity: str, variable: CatalogChoice) -> bool:
-    """Whether a quantity is a column of the parts, and known of one that is ruled out."""
+    """True if a quantity is a column of the parts, and known of one that is ruled out."""
     owner, _, column = quantity.partition(".")
     ruled_out = [row for row in variable.catalog.rows if row.name in variable.excluded]
     return owner == variable.name and any(row.as_dict().get(column) is not None for row in ruled_out)

@@ -1,4 +1,4 @@
-"""Where else a setting of some name is to be found: design variables are called by what they belong to."""
+"""Other owners of a setting, to suggest for a design variable that names the wrong one."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def remedy_for(
     *,
     alone: bool,
 ) -> str:
-    """What to do about a design variable whose owner has no such setting.
+    """Advice about a design variable whose owner has no such setting.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a plan is."""
+"""A checked recipe, ready to run."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Plan:
     exposure: ConfiguredComponent | None = None
 
     def target(self, variable: str) -> Target:
-        """What a design variable of that name sets."""
+        """The target of the design variable of that name."""
         return target_of(variable, self.recipe.effect_names)
 
     @property
@@ -112,7 +112,7 @@ class Plan:
         return tuple(c.quantity for c in self.constraints if quantity(c.quantity, values, derived) is None)
 
     def derived(self, values: Mapping[str, Any]) -> dict[str, float]:
-        """What the rig derives from plain values of the design variables; raises as `rig_variables` does."""
+        """Quantities that the rig derives from plain values; raises as `rig_variables` does."""
         variables = self.rig_variables(values)
         with self.rig.calling("derived"):
             return dict(self.rig.instance.derived(variables))

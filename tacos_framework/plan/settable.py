@@ -1,4 +1,4 @@
-"""What the design variables of a recipe set: whether there is such a setting, and takes the values."""
+"""Checks of design variables: the setting exists and takes the values."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Settable:
     exposure: ConfiguredComponent | None = None
 
     def target(self, variable: str) -> Target:
-        """What a design variable sets."""
+        """The target of a design variable, with its type."""
         return target_of(variable, self.findings.recipe.effect_names)
 
     def unit(self, variable: str) -> str | None:
@@ -62,7 +62,7 @@ class Settable:
         return unit_of(settings, target.setting)
 
     def _remedy(self, target: Target, own: type[BaseModel]) -> str:
-        """What to do about a setting that its owner does not have."""
+        """Advice about a setting that its owner does not have."""
         keys = keys_of_recipe(self.rig, self.nodes, self.effects, self.exposure)
         alone = target.kind == "rig"
         return remedy_for(target.setting, own, keys, self.findings.plugins, alone=alone)
@@ -120,7 +120,7 @@ class Settable:
         return parts.get(target.kind, {}).get(target.owner)
 
     def _is_scenario(self, variable: str, target: Target) -> bool:
-        """Whether there is such a scenario."""
+        """True if there is such a scenario; a fault otherwise."""
         names = [s.name for s in self.findings.recipe.scenarios if isinstance(s, NamedScenario)]
         known = target.owner in ("", *names)
         if not known:
@@ -129,7 +129,7 @@ class Settable:
         return known
 
     def _is_part(self, variable: str, target: Target) -> bool:
-        """Whether there is such a node or effect, and for one camera where the variable is of one."""
+        """True if there is such a node or effect, and for the camera that the variable names; a fault otherwise."""
         recipe = self.findings.recipe
         if target.kind == EXPOSURE:
             at_fault = recipe.where((EXPOSURE,)) in {fault.where for fault in self.findings.faults}

@@ -1,4 +1,4 @@
-"""What a design variable sets: a variable of the rig, or a setting of a node, an effect, the exposure
+"""Targets of design variables: a variable of the rig, or a setting of a node, an effect, the exposure
 control, or the scenario."""
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ EXPOSURE = "exposure"
 
 @dataclass(frozen=True)
 class Target:
-    """What a design variable sets.
+    """The target of a design variable.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class Target:
 
 
 def target_of(name: str, effects: Sequence[str]) -> Target:
-    """What the name of a design variable says it sets; whether there is such a thing is another question.
+    """The target that the name of a design variable describes, whether or not it exists.
 
     Parameters
     ----------

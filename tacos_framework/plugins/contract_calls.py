@@ -1,4 +1,4 @@
-"""How the framework calls each kind of component, and whether a method can be called so."""
+"""Calls of the framework to each kind of component, and a check of the methods that receive them."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Call:
     offered: tuple[str, ...] = ()
 
     def faults(self, cls: type[Any]) -> Iterator[str]:
-        """What keeps a class from being called so, in sentences."""
+        """Reasons why a class cannot be called so, in sentences."""
         method = getattr(cls, self.verb)
         try:
             parameters = [*inspect.signature(method).parameters.values()][_bound(cls, self.verb) :]
@@ -108,13 +108,13 @@ def _called(given: tuple[str, ...]) -> str:
 
 
 def _bound(cls: type[Any], verb: str) -> int:
-    """How many parameters are taken by the binding: ``self`` or ``cls``, but none of a static method's."""
+    """Number of parameters taken by the binding: ``self`` or ``cls``, but none of a static method's."""
     raw = inspect.getattr_static(cls, verb)
     return 0 if isinstance(raw, staticmethod | classmethod) else 1
 
 
 def scorer_faults(task: type[Any]) -> Iterator[str]:
-    """What a task's scorer lacks, as the annotation of ``begin`` has it."""
+    """Faults of a task's scorer, as the annotation of ``begin`` has it."""
     name = f"{task.__name__}.begin"
     try:
         scorer = get_type_hints(task.begin).get("return")

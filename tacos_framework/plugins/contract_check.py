@@ -1,4 +1,4 @@
-"""Whether a class is what its kind promises: all the framework will call, with what it will be called."""
+"""Checks of a class against its kind: every call of the framework has to work."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ be wrong. No component that ships has a member so near to another."""
 
 
 def contract_faults(component: Component, cls: type[Any]) -> list[str]:
-    """What a class lacks to be a component of its kind, in sentences; empty when it fits."""
+    """Faults of a class as a component of its kind, in sentences; empty if it fits."""
     if not isinstance(cls, type):
         return [f"{component.target} is a {type(cls).__name__}, not a class"]
     faults = [*_missing(component.kind, cls), *_misspelt(component.kind, cls), *_misfits(component.kind, cls)]

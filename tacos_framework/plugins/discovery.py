@@ -93,7 +93,7 @@ class Plugins:
 
     @property
     def failures(self) -> list[PluginFailure]:
-        """What cannot be used, as far as it is known without importing components."""
+        """Components that cannot be used, as far as it is known without importing them."""
         return [*self._failures, *self._components.clashes()]
 
     def unusable(self) -> list[PluginFailure]:

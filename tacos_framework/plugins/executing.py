@@ -26,7 +26,7 @@ class Keyed(Generic[Job]):
 
     @property
     def affinity(self) -> Hashable | None:
-        """That of the job (`JobRunner`)."""
+        """Affinity of the job (`JobRunner`)."""
         found: Hashable | None = getattr(self.value, "affinity", None)
         return found
 
@@ -47,7 +47,7 @@ class EvaluateKeyed(Generic[Job, Result]):
 
     @property
     def lost(self) -> Callable[[Keyed[Job], str], Keyed[Result]]:
-        """What stands for the result of a lost job; not there where `evaluate` has no answer to that."""
+        """The result of a lost job; absent if `evaluate` has no answer to that."""
         lost: Callable[[Job, str], Result] = self.evaluate.lost  # type: ignore[attr-defined]
         return lambda job, reason: Keyed(job.key, lost(job.value, reason))
 
@@ -136,7 +136,7 @@ class GuardedExecutor:
 
     @property
     def workers(self) -> int:
-        """How many jobs it runs at a time."""
+        """Number of jobs it runs at a time."""
         return int(optional(self._executor, ExecutorBase, "workers"))
 
     def map(self, evaluate: Callable[[Job], Result], jobs: Sequence[Job]) -> Iterator[Result]:

@@ -1,4 +1,4 @@
-"""What plugins that cannot be used leave behind: a reason, kept and shown, that stops nobody."""
+"""Reasons of plugins that cannot be used: kept and shown, and no obstacle to others."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class PluginFailure:
 
 
 class PluginFailures:
-    """What cannot be used, each reason once."""
+    """Plugins that cannot be used, each reason once."""
 
     def __init__(self) -> None:
         self._kept: dict[tuple[str, str], PluginFailure] = {}
@@ -62,7 +62,7 @@ class PluginFailures:
 def tried(
     call: Callable[[], Result], doing: str = "what a plugin does"
 ) -> tuple[Result | None, BaseException | None]:
-    """What a plugin's code returns, or what it raises, `SystemExit` included.
+    """Return value of a plugin's code, or the error it raises, `SystemExit` included.
 
     `KeyboardInterrupt` alone passes, with a note of what it interrupted.
     """

@@ -87,7 +87,7 @@ class Observers:
 def _plain_keys(
     listen: Callable[..., Any], told: Mapping[str, Any], known: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """What a hook answers, as plain data.
+    """Answers of a hook, as plain data.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What plugins offer by hooks beside components: commands, reports, findings, listeners."""
+"""Offers of plugins by hooks beside components: commands, reports, findings, listeners."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class Offers:
         return self._manager.subset_hook_caller(hook, remove_plugins=others)
 
     def of(self, plugin: HookedPlugin, hook: str, kind: type[Offer]) -> list[Offer]:
-        """What a plugin offers by a hook; its failures are kept."""
+        """Offers of a plugin by a hook; its failures are kept."""
         call = self._hook_of(plugin, hook)
         offered, error = tried(partial(_all, call), f"{hook} of plugin {plugin.source}")
         if error is not None:
@@ -93,7 +93,7 @@ class Offers:
         return [offer for offer in offered or () if isinstance(offer, kind)]
 
     def findings(self) -> list[EnvironmentFinding]:
-        """What plugins found out about this machine; a look that fails is a finding too."""
+        """Findings of plugins about this machine; a look that fails is a finding too."""
         found = []
         for plugin in self._plugins:
             call = self._hook_of(plugin, "tacos_doctor")
@@ -161,7 +161,7 @@ class Offers:
         ]
 
     def episode_store(self) -> EpisodeStore | None:
-        """What keeps the episodes that scenes make; None where no plugin offers to."""
+        """The store of episodes that scenes make; None if no plugin offers one."""
         from tacos_framework.contracts import EpisodeStore  # numpy is not for those who only list plugins
 
         kind: Any = EpisodeStore  # a Protocol
@@ -192,5 +192,5 @@ class Offers:
 
 
 def _all(hook: Callable[[], Iterable[Iterable[Any]]]) -> list[Any]:
-    """What a hook returns, in one list."""
+    """Answers of a hook, in one list."""
     return [each for returned in hook() for each in returned]

@@ -59,7 +59,7 @@ class Registry:
         ]
 
     def absent(self, use: str, kind: str | None, where: str, failures: Sequence[PluginFailure]) -> Fault:
-        """What to tell those who ask for a component that is not there.
+        """Advice for those who ask for a component that is not there.
 
         Parameters
         ----------
@@ -102,7 +102,7 @@ def _listed(names: Sequence[str], joined_by: str = "and") -> str:
 
 
 def _keep_one(offers: Sequence[Registered]) -> str:
-    """What to do about a name that is offered more than once."""
+    """Advice about a name that is offered more than once."""
     if len(set(_sources(offers))) == 1:
         return f"Have {offers[0].source} list it once."
     if all(offer.distribution for offer in offers):

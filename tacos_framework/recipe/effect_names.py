@@ -1,4 +1,4 @@
-"""What the effects of a recipe are called, so that design variables can reach them."""
+"""Names of a recipe's effects, by which design variables reach them."""
 
 from __future__ import annotations
 

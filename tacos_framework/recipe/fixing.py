@@ -52,7 +52,7 @@ def fix_variable(data: dict[str, Any], name: str, value: Any, where: str) -> tup
 
 
 def _places(data: dict[str, Any], name: str) -> list[Path]:
-    """Where the values of a variable stand outside of ``design:``; none where it has no such place."""
+    """Positions of a variable's values outside of ``design:``; none where it has no such place."""
     head, _, rest = name.partition(".")
     if not rest:
         return [("rig", name)] if isinstance(data.get("rig"), dict) else []
@@ -71,7 +71,7 @@ def _places(data: dict[str, Any], name: str) -> list[Path]:
 
 
 def _in_scenarios(data: dict[str, Any], rest: str) -> list[Path]:
-    """Where a setting of the scenario stands: in the only one, in one of several, or in all of them."""
+    """Positions of a setting of the scenario: in the only one, in one of several, or in all of them."""
     if data.get("scenario") is None:
         data["scenario"] = {}
     scenarios = data["scenario"]

@@ -52,7 +52,7 @@ def _near(name: str, shipped: Iterable[str]) -> str:
 
 
 def _folder_fault(folder: Path) -> Fault:
-    """What to say of a folder in the place of a recipe."""
+    """The fault of a folder in the place of a recipe."""
     if not (folder / RUN_RECIPE).is_file():
         return Fault(str(folder), "is a folder, and no run is in it", "the YAML file of a recipe")
     remedy = f"To go on with the run: tacos-run --resume {folder}. To look at it: tacos report {folder}."
@@ -94,7 +94,7 @@ def read_any_recipe(
 
 
 def _as_document(written: Mapping[str, Any]) -> Document:
-    """What Python has in place of a file, as if it had been one.
+    """A mapping as if it had been read from a file.
 
     Raises
     ------

@@ -96,7 +96,7 @@ def _section(document: Document, key: str, annotation: Any, raw: Any) -> tuple[A
 
 
 def _no_entry(fault: Fault) -> Fault:
-    """What to do about a design variable that is given a plain value."""
+    """Advice about a design variable that is given a plain value."""
     return replace(
         fault,
         expected="an entry such as {between: [1, 2]} or {choose: [a, b]}",

@@ -29,7 +29,7 @@ _Heading: type[Settings] = create_model("_Heading", __base__=Settings, **_SHARED
 
 @dataclass(frozen=True)
 class ProcedureRecipe(Written):
-    """What to run: a procedure and its settings.
+    """A procedure and its settings.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ class ProcedureRecipe(Written):
 
 
 def is_procedure(document: Document) -> bool:
-    """Whether a document is the recipe of a procedure."""
+    """True if a document is the recipe of a procedure."""
     return isinstance(document.data, dict) and "use" in document.data
 
 

@@ -34,7 +34,7 @@ FORMAT = 1
 
 
 class Recipe(Written, Settings):
-    """What to design, how to simulate it, and what to score it by.
+    """A camera design problem: variables, simulation and scores.
 
     Built from YAML by `load_recipe` or in Python with keyword arguments; both are equal in power.
     """
@@ -71,7 +71,7 @@ class Recipe(Written, Settings):
     _document: Document | None = PrivateAttr(None)
 
     def clashes(self) -> Iterator[str]:
-        """What in it contradicts something else, in sentences; a draft may be asked as well."""
+        """Contradictions within it, in sentences; a draft may be asked as well."""
         if self.test is not None and self.test.seed == self.seed:
             yield f"test.seed and seed are both {self.seed}: the test scenes would not be unseen"
 
@@ -99,7 +99,7 @@ class Recipe(Written, Settings):
 
     @property
     def effect_names(self) -> tuple[str, ...]:
-        """What design variables call each effect, ``effects.NAME.setting``."""
+        """Names of the effects for design variables, ``effects.NAME.setting``."""
         return effect_names([(effect.use, effect.name) for effect in self.effects])
 
     def keys_of(self, section: str) -> tuple[str, ...]:

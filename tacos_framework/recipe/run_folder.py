@@ -1,4 +1,4 @@
-"""What the folder of a run is known by."""
+"""Files that mark the folder of a run."""
 
 from __future__ import annotations
 

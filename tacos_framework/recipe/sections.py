@@ -26,7 +26,7 @@ class Use(BaseModel):
 
 
 class Train(BaseModel):
-    """How a trainable task learns during the study; further keys go to the task as its budget's settings."""
+    """Training of a task during the study; further keys go to the task as its budget's settings."""
 
     model_config = ConfigDict(frozen=True, extra="allow")
 
@@ -112,7 +112,7 @@ Variable = Annotated[
 
 
 class Bounds(Settings):
-    """What a derived quantity, or a column of a part, must be."""
+    """A bound on a derived quantity or a column of a part."""
 
     model_config = ConfigDict(populate_by_name=True)
 
@@ -201,7 +201,7 @@ class Weighted(Settings):
 
 
 class StudySettings(Settings):
-    """How candidates are compared."""
+    """Rules of the comparison of candidates."""
 
     retired_keys: ClassVar[Mapping[str, str]] = {
         "race": "Take it out: races dropped the best candidate too often. To spend fewer images, lower "

@@ -1,4 +1,4 @@
-"""Where the keys of a recipe stand that was read from a text."""
+"""Positions of the keys of a recipe that was read from a text."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class Written:
 
     @property
     def text(self) -> Document | None:
-        """What it was read from."""
+        """The document it was read from."""
         raise NotImplementedError
 
     def where(self, path: Sequence[str | int]) -> str:

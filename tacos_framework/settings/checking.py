@@ -59,7 +59,7 @@ def check(
 
 
 def _is_told_below(path: KeyPath, paths: Iterable[KeyPath]) -> bool:
-    """Whether what is wrong is an entry, and not that there are entries: another type may be allowed too."""
+    """True if an entry is wrong, not the presence of entries: another type may be allowed too."""
     return any(len(other) > len(path) and other[: len(path)] == path for other in paths)
 
 
@@ -98,7 +98,7 @@ def _expected(kind: Any, complaint: Mapping[str, Any]) -> str:
 
 
 def clash_fault(sentence: str, given: Mapping[str, Any], where: Callable[[KeyPath], str]) -> Fault:
-    """What is wrong with several settings at once, at the first of them that the sentence names."""
+    """The fault of several settings at once, at the first of them that the sentence names."""
     return Fault(where(_first_named(sentence, given)), sentence, "", "Change one of them.")
 
 
@@ -109,7 +109,7 @@ def _first_named(sentence: str, given: Mapping[str, Any]) -> KeyPath:
 
 
 def _help(field: FieldInfo | None) -> str:
-    """What a field means: its help and unit."""
+    """Help and unit of a field."""
     if field is None or not field.description:
         return ""
     extra = field.json_schema_extra
@@ -120,7 +120,7 @@ def _help(field: FieldInfo | None) -> str:
 
 @dataclass(frozen=True)
 class _Place:
-    """Where pydantic complains: the path in the file, the class and field it leads to, and their type."""
+    """Position of pydantic's complaint: the path in the file, the class and field there, and their type."""
 
     path: KeyPath
     model: type[BaseModel] | None
@@ -138,7 +138,7 @@ def _place(kind: Any, complaint: Mapping[str, Any]) -> _Place:
 
 
 def _at(kind: Any, steps: KeyPath) -> _Place:
-    """What a way of pydantic's leads to; it also names members of unions, which are in no file."""
+    """The field at a path of pydantic's; such a path also names members of unions, which no file has."""
     model: type[BaseModel] | None = None
     field = next((note for note in get_args(kind)[1:] if isinstance(note, FieldInfo)), None)
     path: list[str | int] = []
@@ -162,7 +162,7 @@ def _at(kind: Any, steps: KeyPath) -> _Place:
 
 
 def _name(kind: Any) -> str:
-    """What pydantic calls a member of a union, without what stands in brackets behind it."""
+    """Name of a union's member in pydantic, without the brackets behind it."""
     return str(getattr(get_origin(kind) or kind, "__name__", ""))
 
 

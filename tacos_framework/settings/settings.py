@@ -111,13 +111,13 @@ def unit_of(config: type[BaseModel], name: str) -> str:
 
 
 def averaging_of(config: type[BaseModel], name: str) -> Averaging | None:
-    """What in a spread is independent, as :func:`setting` declared it."""
+    """Independent entries of a spread, as :func:`setting` declared them."""
     found: Any = _extra(config, name).get("averaging")
     return found
 
 
 def includes_pedestal(config: type[BaseModel], name: str) -> bool:
-    """Whether a level counts from 0 rather than from the pedestal."""
+    """True if a level counts from 0 DN, not from the pedestal."""
     return bool(_extra(config, name).get("with_pedestal"))
 
 
@@ -128,7 +128,7 @@ def period_of(config: type[BaseModel], name: str) -> float | None:
 
 
 def also_called(config: type[BaseModel]) -> dict[str, tuple[str, ...]]:
-    """What others call the settings of a class, by the names they are given by."""
+    """Other names of the settings of a class, by the names they are given by."""
     words: Any = {
         field.alias or name: _extra(config, name).get("also_called", ())
         for name, field in config.model_fields.items()

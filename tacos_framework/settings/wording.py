@@ -1,4 +1,4 @@
-"""What pydantic expects, in the words of whoever writes YAML and knows neither JSON nor Python."""
+"""Expectations of pydantic in the words of people who write YAML and know neither JSON nor Python."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _FORMS = {
 
 
 def expected_by(complaint: Mapping[str, Any]) -> str:
-    """What a complaint of pydantic's, as `ValidationError.errors` gives it, expects.
+    """The expectation behind a complaint of pydantic's, as `ValidationError.errors` gives it.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What a YAML text holds, and where each entry of it stands."""
+"""A YAML text with the position of each entry."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tacos_framework.errors import Fault
 
 
 class Position(NamedTuple):
-    """Where something stands in a text; line and column count from 1."""
+    """A position in a text; line and column count from 1."""
 
     line: int
     column: int
@@ -23,7 +23,7 @@ class Position(NamedTuple):
 
 @dataclass(frozen=True)
 class Document:
-    """What a YAML text holds, and where.
+    """The value of a YAML text, with positions.
 
     Parameters
     ----------

@@ -162,7 +162,7 @@ class _Reader:
         return value
 
     def _alias(self, name: str | None, path: tuple[str | int, ...], position: Position, depth: int) -> Any:
-        """What an alias stands for; None after reporting one that cannot be read."""
+        """The value of an alias; None after reporting one that cannot be read."""
         if not self.aliases:
             self._fault(position, f"alias *{name} is not supported", remedy="Write the value out.")
         elif name is None or name not in self.anchored:

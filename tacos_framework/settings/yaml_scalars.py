@@ -23,7 +23,7 @@ _NOT_FINITE = re.compile(r"[-+]?\.?(inf|infinity|nan)", re.IGNORECASE)
 
 
 def reads_as_text(text: str) -> bool:
-    """Whether unquoted text is read as itself, not as a number, a truth value or nothing, or refused."""
+    """True if unquoted text is read as text, not as a number, a truth value or nothing, and not refused."""
     try:
         return isinstance(plain_scalar(text), str)
     except ValueError:

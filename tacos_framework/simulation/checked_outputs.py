@@ -13,7 +13,7 @@ from tacos_framework.values import Capture, View
 
 
 def checked_output(component: str, value: Any) -> Any:
-    """What a component gave, if it can be built on.
+    """The output of a component, if it can be built on.
 
     Light must be finite and depth a number, where infinity means that nothing is there. Arrays of floats, and
     lists and mappings of them, must be finite too. Frames are whole numbers, which their own type checks; the

@@ -90,7 +90,7 @@ class EvaluationContext:
     def stream(
         self, scene: str, episode: Episode, draws: EpisodeDraws, tasks: Sequence[str]
     ) -> Iterator[Mapping[str, Any]]:
-        """What the tasks are given of an episode, frame by frame: ``{task: {port: value}}``.
+        """Inputs of the tasks in an episode, frame by frame: ``{task: {port: value}}``.
 
         Tasks that want several frames at a time get as many, if they say so (`Task.frames_per_update`). Of an
         episode that is gone on with, the draws remember what came before.
@@ -104,12 +104,12 @@ class EvaluationContext:
         yield from self.plan.graph.stream(scene, episode, max(wanted, default=1), call, tasks)
 
     def draws(self, spec: EpisodeSpec) -> EpisodeDraws:
-        """What is drawn along an episode; candidates share it where the recipe wants them to."""
+        """Draws along an episode; candidates share them if the recipe says so."""
         common = self.plan.recipe.study.common_random_numbers
         return EpisodeDraws(spec.seed, (*spec.name, *(() if common else (self.key,))))
 
     def output(self, node: Node, inputs: Mapping[str, Any], draws: EpisodeDraws, first_frame: int) -> Any:
-        """What a node that is neither scene nor task makes of its inputs, which begin at a frame."""
+        """Output of a node that is neither scene nor task, for inputs that begin at a frame."""
         component = self.components[node.name]
         draws = draws.at(node.name)
         if node.kind == "sensor":

@@ -1,4 +1,4 @@
-"""Which episode is meant, and its parts."""
+"""Names of episodes and their blocks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What came out for a candidate."""
+"""Outcome of a candidate's evaluation."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Raised:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What came out for one candidate.
+    """Outcome of one candidate.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ class Evaluation:
 
     @property
     def scores_by_episode(self) -> dict[int, dict[str, float]]:
-        """What the tasks reported in each episode, by its number; named as in `blocks`, without fitness."""
+        """Scores of the tasks in each episode, by its number; named as in `blocks`, without fitness."""
         return {
             number: {name: value for name, value in scores.items() if name.rpartition("/")[2] != "fitness"}
             for number, scores in zip(self.episode_numbers, self.blocks, strict=False)  # none are counted

@@ -38,12 +38,12 @@ class Evaluator:
         return job.run(self.simulation)
 
     def lost(self, job: Job[Result], reason: str) -> Result:
-        """What an executor gives for a job whose worker died or hung each time it was tried."""
+        """The result of a job whose worker died or hung each time it was tried."""
         return job.lost(reason)
 
     @property
     def plan(self) -> Plan:
-        """What is simulated, checked."""
+        """The checked plan that is simulated."""
         return self._plan or self.simulation.plan
 
     @property

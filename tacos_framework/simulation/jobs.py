@@ -1,4 +1,4 @@
-"""What other processes are asked to do with a simulation. Jobs are plain data, and can be pickled."""
+"""Jobs for other processes: plain data, which can be pickled."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Job(Protocol[Result]):
         ...
 
     def lost(self, reason: str) -> Result:
-        """What stands for the result where the process that runs it dies or hangs, again and again."""
+        """The result of a job whose process dies or hangs, again and again."""
         ...
 
 
@@ -76,7 +76,7 @@ class PrepareJob:
 
     @property
     def affinity(self) -> Hashable:
-        """That of the training to come."""
+        """The frames of the training to come."""
         return _frames(self.values, self.training)
 
     def run(self, simulation: Simulation) -> Evaluation:
@@ -93,7 +93,7 @@ class PrepareJob:
 
 
 def _frames(values: Mapping[str, Any], training: EpisodeSpec) -> Hashable:
-    """What frames to train on follow from."""
+    """Origin of the frames to train on."""
     return training.world, content_key(values)
 
 

@@ -37,7 +37,7 @@ class SettingOverrides:
 
 @dataclass(frozen=True)
 class Overrides:
-    """What a candidate sets beside the variables of the rig.
+    """Settings of a candidate beside the variables of the rig.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class Overrides:
     scenarios: dict[str, dict[str, Any]] = field(default_factory=dict)
 
     def of_scenario(self, name: str) -> dict[str, Any]:
-        """What is set of a scenario; its own comes before what is set of all."""
+        """Settings of a scenario; its own take precedence over those of all."""
         return {**self.scenarios.get("", {}), **self.scenarios.get(name, {})}
 
 

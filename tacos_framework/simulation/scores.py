@@ -1,4 +1,4 @@
-"""What the tasks report of an episode."""
+"""Scores of the tasks in an episode."""
 
 from __future__ import annotations
 

@@ -181,7 +181,7 @@ class Simulation:
     def batches(
         self, task: str, values: Mapping[str, Any], spec: EpisodeSpec, port: str | None = None
     ) -> Iterator[FrameBatch]:
-        """What a task is given of an episode that a candidate sees, without scoring it.
+        """The input of a task for an episode of a candidate, without scoring it.
 
         At a port; at its only one where none is named.
         """
@@ -193,7 +193,7 @@ class Simulation:
             yield batch
 
     def frame_count(self, values: Mapping[str, Any], spec: EpisodeSpec) -> int:
-        """How many frames an episode has, which may be fewer than were asked for."""
+        """Number of frames of an episode, which may be fewer than were asked for."""
         context = self._evaluation_context(values, spec)
         return len(context.episode(self.plan.graph.scene_of(self.plan.graph.shown), spec))
 

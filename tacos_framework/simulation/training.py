@@ -92,7 +92,7 @@ def rendered_ahead(
 def _frames_of(
     contexts: Sequence[EvaluationContext], task: str, spec: EpisodeSpec, room_bytes: int
 ) -> TrainingFrames:
-    """What a task learns from in an episode, whose length is the task's own."""
+    """The batches that a task learns from in an episode, whose length is the task's own."""
     plan, clock = contexts[0].plan, contexts[0].clock
     settings, scene = plan.recipe.nodes[task].train, plan.graph.scene_of(task)
     spec = replace(spec, frames=settings.frames if settings else None)
@@ -103,7 +103,7 @@ def _frames_of(
 
 @dataclass
 class TrainingFrames:
-    """What a task of one port learns from, the same in each iteration; scenarios take turns batch by batch.
+    """The batches of a task of one port, the same in each iteration; scenarios take turns batch by batch.
 
     The first batches stay for the passes to come, as many as fit into `room_bytes`; the rest are rendered
     anew, so that memory stays flat however long the episode is. A camera that controls its exposure, or an
@@ -158,7 +158,7 @@ class TrainingFrames:
     def _stream(
         self, scenario: int, kept: Sequence[FrameBatch], draws: EpisodeDraws
     ) -> Iterator[Mapping[str, Any]]:
-        """What follows in a scenario on the batches that are kept of it."""
+        """The batches of a scenario made from the kept ones."""
         rest = self.episodes[scenario][sum(len(batch.episode) for batch in kept) :]
         return iter(self.contexts[scenario].stream(self.scene, rest, draws, [self.task]))
 

@@ -144,7 +144,7 @@ class Database:
     # reading ----------------------------------------------------------------------------------------------
 
     def get(self, kind: str, key: Key) -> Any:
-        """What has that key; None where there is none."""
+        """The value under a key; None if there is none."""
         return next(iter(self._values("kind = ? AND key = ?", (kind, key)).values()), None)
 
     def all(self, kind: str) -> dict[Any, Any]:
@@ -152,13 +152,13 @@ class Database:
         return self._values("kind = ?", (kind,))
 
     def count(self, kind: str) -> int:
-        """How much there is of a kind."""
+        """Number of entries of a kind."""
         with self._reading():
             ((count,),) = self._connection.execute("SELECT count(*) FROM entries WHERE kind = ?", (kind,))
         return int(count)
 
     def kinds(self) -> list[str]:
-        """What kinds there are."""
+        """Kinds of entries present."""
         with self._reading():
             return [kind for (kind,) in self._connection.execute("SELECT DISTINCT kind FROM entries")]
 

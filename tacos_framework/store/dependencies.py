@@ -1,4 +1,4 @@
-"""What the results of a run depend on: code, versions, parts of catalogs, files of settings."""
+"""Dependencies of a run's results: code, versions, parts of catalogs, files of settings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where two recipes differ, key by key."""
+"""Differences of two recipes, key by key."""
 
 from __future__ import annotations
 

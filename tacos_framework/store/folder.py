@@ -30,7 +30,7 @@ log = logging.getLogger(__name__)
 
 
 def is_in_use(folder: Path) -> bool:
-    """Whether a process writes a run into a folder; True too where the file system does not tell."""
+    """True if a process writes a run into a folder, and where the file system does not tell."""
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
@@ -89,7 +89,7 @@ class RunFolder:
     def writing(
         self, remedy: str = "Make room or mend the folder, then go on with --resume."
     ) -> Iterator[None]:
-        """What the system refuses inside becomes a `UserError` that says what to do.
+        """Turns refusals of the system within into a `UserError` that says what to do.
 
         Transactions and files are there whole or not at all, so what was written before stays what it was.
         """
@@ -167,7 +167,7 @@ class RunFolder:
         return self.write_text(name, f"{text}\n")
 
     def read_json(self, name: str) -> dict[str, Any] | None:
-        """What `write_json` has written; None where that is not there.
+        """The value that `write_json` has written; None if there is none.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""What a run was started with: code, versions and files, so that nothing changes under it unnoticed."""
+"""Start of a run on record: code, versions and files, so that nothing changes under it unnoticed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NAMED = 5
 
 
 class Manifest(BaseModel):
-    """What the results of a run depend on, beside its recipe. Where it runs is no part of it.
+    """Dependencies of a run's results beside its recipe. Machine and place are no part of it.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ class Manifest(BaseModel):
     accepted: tuple[tuple[str, ...], ...] = ()
 
     def changes(self, now: Manifest) -> list[str]:
-        """What is different now, a sentence each."""
+        """Differences to now, a sentence each."""
         return [
             *([f"Python is {now.python}, and was {self.python}"] if self.python != now.python else []),
             *(

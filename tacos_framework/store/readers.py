@@ -45,7 +45,7 @@ class DamagedError(ValueError):
 
 
 def digest(data: bytes) -> str:
-    """What the database keeps of a file."""
+    """Digest of a file, as the database keeps it."""
     return new_checksum(data).hexdigest()
 
 
@@ -77,7 +77,7 @@ def file_of_run(path: Path, recorded: str | None = None) -> bytes:
 
 
 def read_run_file(path: Path, parse: Callable[[bytes], Content], recorded: str | None = None) -> Content:
-    """What a file of a run holds.
+    """The content of a run's file, checked against its digest.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def read_run_file(path: Path, parse: Callable[[bytes], Content], recorded: str |
 
 
 def json_object(data: bytes) -> dict[str, Any]:
-    """What a JSON object holds.
+    """The mapping in a JSON object.
 
     Raises
     ------
@@ -130,7 +130,7 @@ def read_run_json(path: Path) -> dict[str, Any]:
 
 
 def read_result(folder: Path) -> dict[str, Any]:
-    """What came out of a run, ``result.json``, of earlier versions as well.
+    """The ``result.json`` of a run, of earlier versions as well.
 
     Raises
     ------

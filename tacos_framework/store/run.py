@@ -158,7 +158,7 @@ class Results(RunFolder):
     # the folder -------------------------------------------------------------------------------------------
 
     def _empty(self) -> bool:
-        """Whether nothing is there but what a run leaves that ended before it had computed anything."""
+        """True if the folder only holds leftovers of a run that ended before it had computed anything."""
         names = {path.name for path in self.folder.iterdir() if not path.name.endswith(PARTIAL)} - {*PARTS}
         kinds, database = self._kinds(), self.folder / DATABASE
         if not names and kinds is None:  # whoever was killed as it made the database has left one page of it

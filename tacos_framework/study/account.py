@@ -1,4 +1,4 @@
-"""What evaluations took, and why those failed that did."""
+"""Cost of evaluations, and reasons of the failed ones."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ def make_record(
     score: Callable[[Sequence[Values], int], list[Evaluation]],
     degenerate: str | None,
 ) -> StudyRecord:
-    """What came out, for those who analyse it.
+    """The record of a study, for analyses.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def make_record(
 
 
 def _of_lines(lines: Iterable[Mapping[str, Any]], renew: bool) -> Iterator[ScoredEpisode]:
-    """What the searches scored; what was known from before stands there once."""
+    """Scored candidates of the searches; known ones stand there once."""
     for line in lines:
         generation = line["generation"]
         for candidate in line["candidates"]:

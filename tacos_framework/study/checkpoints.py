@@ -112,7 +112,7 @@ class Checkpoints:
         return self._results.folder / DATABASE
 
     def states_at_end(self, checkpoint: Mapping[str, Any], search: Search) -> dict[str, State]:
-        """What the tasks of a search knew when it had ended, before they were trained on the best camera."""
+        """States of the tasks after a search, before they were trained on the best camera."""
         return self._states(checkpoint, search, ".searched")
 
     def _states(self, checkpoint: Mapping[str, Any], search: Search, when: str) -> dict[str, State]:

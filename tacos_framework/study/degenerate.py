@@ -1,4 +1,4 @@
-"""Whether what a study scored can tell cameras apart at all."""
+"""Can the scores of a study tell cameras apart at all?"""
 
 from __future__ import annotations
 

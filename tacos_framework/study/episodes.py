@@ -1,4 +1,4 @@
-"""Which episodes candidates are scored and trained on."""
+"""Episodes that candidates are scored and trained on."""
 
 from __future__ import annotations
 

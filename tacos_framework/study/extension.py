@@ -22,7 +22,7 @@ def budget_setting(optimizer: type[Any]) -> str | None:
 
 
 def budget_of(optimizer: ConfiguredComponent) -> float | None:
-    """How long an optimizer goes on; None where it declares no such setting."""
+    """Length of an optimizer's run; None if it declares no such setting."""
     name = budget_setting(optimizer.cls)
     return None if name is None else getattr(optimizer.config, name)
 

@@ -1,4 +1,4 @@
-"""When candidates fail one after the other by the same defect, there is no point in going on."""
+"""Ends a study in which candidates fail one after the other by the same defect."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _NUMBER = re.compile(r"[-+]?\d[\d.]*(e[-+]?\d+)?")
 
 
 def alike(reason: str | None, other: str | None) -> bool:
-    """Whether two reasons are the same but for the numbers in them."""
+    """True if two reasons are the same but for the numbers in them."""
     return _NUMBER.sub("#", reason or "") == _NUMBER.sub("#", other or "")
 
 
@@ -72,7 +72,7 @@ class FailuresInARow:
 
 
 def limit_of(first_generation: int | None) -> int:
-    """How many failures in a row end a study, given how many candidates its first generation has.
+    """Failures in a row that end a study, given the number of candidates of its first generation.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What each block of scores tells about a fitness that is a sum of means."""
+"""Contribution of each block of scores to a fitness that is a sum of means."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tacos_framework.fitness import Fitness, FitnessTerm, mean_scores
 
 
 def contributions(blocks: Sequence[Scores], fitness: Fitness) -> NDArray[np.float64] | None:
-    """What each block tells about the fitness: numbers whose mean is the fitness of all blocks together.
+    """Contribution of each block to the fitness: numbers whose mean is the fitness of all blocks together.
 
     Their spread is that of the fitness: ``std(ddof=1) / sqrt(n)`` is its standard error. Where every block
     reports every score, they are the fitnesses of the blocks. A score that only m of n blocks report enters

@@ -54,7 +54,7 @@ class GuardedOptimizer:
 
     @property
     def expected_candidates(self) -> int | None:
-        """How many candidates it will ask for in all; None when it cannot tell."""
+        """Number of candidates it will ask for in all; None if it cannot tell."""
         with self._part.calling("expected_candidates"):
             expected = self._optimizer.expected_candidates
             if expected is not None and not isinstance(expected, int | np.integer):
@@ -85,7 +85,7 @@ class GuardedOptimizer:
 
     @property
     def recommends(self) -> bool:
-        """Whether it has a say in which candidates are best."""
+        """True if it takes part in the choice of the best candidates."""
         return callable(optional(self._optimizer, OptimizerBase, "recommend"))
 
     def recommend(self, count: int) -> list[Candidate] | None:
@@ -162,7 +162,7 @@ class GuardedOptimizer:
             )
 
     def _with_checked_episodes(self, asked: Asked, name: str) -> Asked:
-        """What was asked, its episodes as plain numbers in rising order."""
+        """The request, its episodes as plain numbers in rising order."""
         given = asked.episodes
         if given is None:
             return asked
@@ -180,7 +180,7 @@ class GuardedOptimizer:
 
 
 def result_of(asked: Asked, evaluation: Evaluation) -> Evaluated:
-    """What an optimizer is told of a candidate."""
+    """The result of a candidate, for the optimizer."""
     episodes = evaluation.scores_by_episode
     return Evaluated(
         asked.candidate,
@@ -194,12 +194,12 @@ def result_of(asked: Asked, evaluation: Evaluation) -> Evaluated:
 
 
 def not_evaluated(asked: Asked, reason: str) -> Evaluated:
-    """What an optimizer is told of a candidate that is not evaluated any more."""
+    """The result of a candidate that is not evaluated any more, for the optimizer."""
     return Evaluated(asked.candidate, None, failed=f"not evaluated: {reason}")
 
 
 def takes_problem(optimizer: type[Any]) -> bool:
-    """Whether a class of optimizers asks for the `DesignProblem` by a keyword of its ``__init__``."""
+    """True if a class of optimizers takes the `DesignProblem` by a keyword of its ``__init__``."""
     try:
         return "problem" in inspect.signature(optimizer.__init__).parameters
     except (TypeError, ValueError):  # what is written in C may not tell

@@ -1,4 +1,4 @@
-"""What was evaluated since the last checkpoint, job by job, so that a killed study need not repeat it."""
+"""Evaluations since the last checkpoint, job by job, so that a killed study need not repeat them."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Journal:
         self._keys_of_states: list[tuple[State, str]] = []
 
     def entries(self) -> list[KeptJob]:
-        """What a run has left.
+        """Journal of a run.
 
         Raises
         ------
@@ -60,7 +60,7 @@ class Journal:
             ]
 
     def find(self, job: ScoreJob) -> Evaluation | None:
-        """What came out for a job, if that is known."""
+        """The outcome of a job, if it is known."""
         with self._results.database() as database:
             kept = database.get(EVALUATIONS, self._key(job))
         if kept is None:
@@ -125,7 +125,7 @@ class JournaledExecutor:
 
     @property
     def workers(self) -> int:
-        """How many jobs it runs at a time."""
+        """Number of jobs it runs at a time."""
         return int(optional(self._executor, ExecutorBase, "workers"))
 
     def map(self, evaluate: Callable[[Job], Result], jobs: Sequence[Job]) -> Iterator[Result]:

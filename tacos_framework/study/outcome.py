@@ -1,4 +1,4 @@
-"""What came out of a study, as ``result.json`` has it."""
+"""Outcome of a study, as ``result.json`` has it."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from tacos_framework.study.unseen_test import UnseenTest
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a study has found so far.
+    """Findings of a study so far.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ class Outcome:
     broken_off: str | None
 
     def as_data(self) -> dict[str, Any]:
-        """What follows from the evaluations, as plain data; times, machine and pictures are not in it."""
+        """Outcome of the evaluations, as plain data; times, machine and pictures are not in it."""
         designed = self.searches[0]
         tested = self.test.on_common_scenes if self.test else {}
         further = [*(self.test.evaluations.values() if self.test else ()), *self.scored_again]
@@ -135,12 +135,12 @@ class Outcome:
         }
 
     def _carrier(self) -> str:
-        """What carries the cameras, as the first scene says that does; empty where none does."""
+        """Carrier of the cameras, as the first scene names it; empty where none does."""
         said = (optional(node.cls, SceneBase, "carrier") for node in self.plan.nodes.values())
         return next(filter(None, said), "")
 
     def notes(self) -> Iterator[str]:
-        """What a reader of the results should know, in sentences."""
+        """Notes for readers of the results, in sentences."""
         binning = getattr(self.plan.rig.config, "binning", 1)
         if binning != 1:
             yield (

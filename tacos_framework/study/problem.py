@@ -1,4 +1,4 @@
-"""What an optimizer is told of a study's problem beside the design space: `DesignProblem`."""
+"""The problem of a study, for its optimizer, beside the design space: `DesignProblem`."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def design_problem(
 
 
 def coordinates_of(plan: Plan, values: Mapping[str, Any]) -> dict[str, float]:
-    """What images depend on, by name, for a candidate that breaks nothing.
+    """Coordinates that images depend on, by name, for a candidate that breaks nothing.
 
     Beside what the rig declares (`RigBuilder`) these are the design variables of nodes, effects and
     scenarios: numbers as they are, words and switches as their place among the values to choose from. For a

@@ -1,4 +1,4 @@
-"""What a study or a procedure tells while it runs."""
+"""Progress messages of a study or a procedure."""
 
 from __future__ import annotations
 

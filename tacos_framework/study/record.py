@@ -63,7 +63,7 @@ class StudiedCamera:
 
 @dataclass(frozen=True)
 class StudyRecord:
-    """What an analysis is given; it changes none of it.
+    """The input of an analysis, which changes none of it.
 
     Parameters
     ----------

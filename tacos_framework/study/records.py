@@ -1,4 +1,4 @@
-"""What a run's folder keeps of evaluations."""
+"""Records of evaluations in a run's folder."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ class GenerationLine(_Kept):
 
 
 class KeptStats(_Kept):
-    """What is remembered of a candidate."""
+    """Record of a candidate."""
 
     values: dict[str, Any]
     fitness_sum: float
@@ -74,7 +74,7 @@ class KeptEnd(_Kept):
 
 
 class KeptFailures(_Kept):
-    """How many candidates failed alike, one after the other."""
+    """Number of candidates that failed alike, one after the other."""
 
     count: int
     component: str
@@ -106,7 +106,7 @@ class KeptSearch(_Kept):
 
 
 class KeptCheckpoint(_Kept):
-    """How far a study has come."""
+    """Progress of a study."""
 
     budget: float | None
     searches: dict[str, KeptSearch]
@@ -121,7 +121,7 @@ Type = TypeVar("Type", bound=BaseModel)
 
 
 def checked_type(kind: type[Type], path: Path, what: str, value: Any) -> Type:
-    """What a database of a run holds in one place.
+    """A value from the database of a run, checked to be of a type.
 
     Raises
     ------

@@ -50,7 +50,7 @@ class Search(SearchState):
         return training_episode(self.plan.recipe, self.generation, candidate) if self.training else None
 
     def expected_candidates(self) -> int | None:
-        """How many candidates are still to come, elites counted each time, if that is known."""
+        """Number of candidates still to come, elites counted each time, if that is known."""
         if self.optimizer is None:
             return max(0, (self.budget or 1) - self.n_observed) if self.training else 1
         known = [n for n in (self.optimizer.expected_candidates, self.budget) if n is not None]
@@ -129,7 +129,7 @@ class Search(SearchState):
         return f"{self.budget} evaluations, the budget of {self.budget}, are spent"
 
     def _affordable(self, jobs: Sequence[ScoreJob]) -> int:
-        """How many of the candidates, from the first, may be evaluated: what costs nothing does not count."""
+        """Number of candidates, from the first, that the budget allows: those without cost do not count."""
         if self.budget is None or self.optimizer is None:
             return len(jobs)
         left, counted = self.budget - self.evaluations, set(self.cache)
@@ -144,7 +144,7 @@ class Search(SearchState):
 
     @property
     def _episode_count(self) -> int:
-        """How many episodes there are to score a candidate on, blocks counted each."""
+        """Number of episodes to score a candidate on, blocks counted each."""
         return self.plan.recipe.study.episodes * self.plan.recipe.study.blocks
 
     def _numbers(self, asked: Asked | None) -> tuple[int, ...]:
@@ -155,7 +155,7 @@ class Search(SearchState):
 
     @property
     def _rounds(self) -> int:
-        """How often the one candidate of a search that is free in nothing is trained on in this generation.
+        """Number of trainings on the one candidate of a search without free variables in this generation.
 
         Weights that candidates share learn from it as often as from the designs, in as many worlds.
         """
@@ -166,7 +166,7 @@ class Search(SearchState):
         return max(1, min(until - before, self.budget - self.evaluations))
 
     def _jobs(self, asked: Sequence[Asked]) -> list[ScoreJob]:
-        """What scoring each candidate is; the one there is, where nothing is free."""
+        """The job that scores a candidate; the only one where nothing is free."""
         episodes = self._episodes("design", self.plan.recipe.study.episodes)
         if self.optimizer is None:
             trainings = [self._training_episode(i) for i in range(self._rounds)]

@@ -1,4 +1,4 @@
-"""What a search knows: what was found, what it cost, and where it stands; kept in checkpoints."""
+"""State of a search: findings, cost and position; kept in checkpoints."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _PLAIN_STATE = tuple(name for name in KeptSearch.model_fields if name not in _OW
 
 @dataclass(frozen=True)
 class CandidateStats:
-    """What is remembered of a candidate over all generations it took part in."""
+    """Memory of a candidate over all generations it took part in."""
 
     values: Mapping[str, Any]
     fitness_sum: float
@@ -38,7 +38,7 @@ class CandidateStats:
 
 @dataclass(frozen=True)
 class EndOfSearch:
-    """What a search had found before its most promising candidates were scored once more."""
+    """Findings of a search before its most promising candidates were scored once more."""
 
     best: Evaluation | None
     evaluations: int
@@ -47,7 +47,7 @@ class EndOfSearch:
 
 @dataclass
 class SearchState:
-    """What a search knows.
+    """State of a search.
 
     Parameters
     ----------
@@ -103,29 +103,29 @@ class SearchState:
 
     @property
     def training(self) -> bool:
-        """Whether tasks learn while it goes on."""
+        """True if tasks learn during the search."""
         trains = (self.plan.recipe.nodes[name].train for name in self.plan.trainable)
         return any(train is not None and train.weights != "frozen" for train in trains)
 
     @property
     def weights_mode(self) -> str:
-        """How weights pass from candidate to candidate: shared, branched or frozen."""
+        """The way in which weights pass from candidate to candidate: shared, branched or frozen."""
         modes = {t.weights for n in self.plan.trainable if (t := self.plan.recipe.nodes[n].train) is not None}
         return next((mode for mode in ("shared", "branched") if mode in modes), "frozen")
 
     @property
     def repeatable(self) -> bool:
-        """Whether a candidate gets the same scores in another generation: same episodes, same weights."""
+        """True if a candidate gets the same scores in another generation: same episodes, same weights."""
         return self.plan.recipe.study.renew_episodes == "never" and not self.training
 
     @property
     def comparable(self) -> bool:
-        """Whether the fitness of all candidates compares: the same for all, and all episodes for each."""
+        """True if the fitness of all candidates compares: the same for all, and all episodes for each."""
         return self.repeatable and not self.partly_scored
 
     @property
     def rounds(self) -> int:
-        """How often the states may have changed: generations, and trainings on the best."""
+        """Number of times the states may have changed: generations, and trainings on the best."""
         return self.generation + self.trained_best
 
     # what came out -----------------------------------------------------------------------------------------

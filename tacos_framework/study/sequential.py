@@ -102,7 +102,7 @@ def error_at(count: int, counts: Sequence[int], error: float) -> float:
 def compared(
     differences: Sequence[float] | NDArray[np.float64], *, error: float, margin: float
 ) -> PairedInterval:
-    """What paired differences decide so far.
+    """Decision of paired differences so far.
 
     Parameters
     ----------

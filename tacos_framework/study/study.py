@@ -238,7 +238,7 @@ class Study:
         self._checkpoints.write(self.searches, self._rest, now=now)
 
     def _rest(self) -> dict[str, Any]:
-        """What a checkpoint has beside the searches."""
+        """Content of a checkpoint beside the searches."""
         return {
             "budget": budget_of(self.plan.optimizer),
             "seconds": self.seconds,

@@ -135,7 +135,7 @@ class UnseenTest:
 
 
 def first_episodes(evaluation: Evaluation, count: int, fitness: Fitness) -> Evaluation:
-    """What came out on the first so many of an evaluation's episodes."""
+    """Outcome on the first so many of an evaluation's episodes."""
     if count == len(evaluation.blocks):
         return evaluation
     columns = {name: tuple(column[:count]) for name, column in evaluation.scenario_episodes.items()}

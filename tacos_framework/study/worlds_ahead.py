@@ -39,7 +39,7 @@ class BuildingAhead:
 
     @property
     def workers(self) -> int:
-        """How many jobs it runs at a time."""
+        """Number of jobs it runs at a time."""
         return int(optional(self._executor, ExecutorBase, "workers"))
 
     def map(self, evaluate: Callable[[Job], Result], jobs: Sequence[Job]) -> Iterator[Result]:

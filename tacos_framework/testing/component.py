@@ -1,4 +1,4 @@
-"""What every component must do, whatever its kind."""
+"""Conformance suite of all components, whatever their kind."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every exposure control must do."""
+"""Conformance suite of exposure controls."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class ControlConformance(ComponentConformance):
     kind: ClassVar[str] = "control"
 
     def exposures(self, control: Any, luminance_cd_m2: float, frames: int = FRAMES) -> Iterator[Exposure]:
-        """What a camera is set to after each frame of a still scene."""
+        """Exposures after each frame of a still scene."""
         light = sample_capture(frames=1).views[0].luminance_cd_m2[0]
         light = light / light.mean() * luminance_cd_m2
         exposure, memory = sample_exposure(), dict[str, Any]()
@@ -35,11 +35,11 @@ class ControlConformance(ComponentConformance):
             yield exposure
 
     def context(self, exposure: Exposure, memory: dict[str, Any]) -> ImageContext:
-        """What is known of a frame."""
+        """Context of a frame."""
         return ImageContext(exposure.time_s, exposure.gain_db, exposure.f_number, memory=memory)
 
     def settled(self, luminance_cd_m2: float) -> Exposure:
-        """What a camera is set to in the end."""
+        """The final exposure."""
         return list(self.exposures(self.make(), luminance_cd_m2))[-1]
 
     def test_its_warm_up_is_a_number_of_frames(self) -> None:
@@ -68,7 +68,7 @@ class ControlConformance(ComponentConformance):
             assert isinstance(chosen, Exposure)
 
     def test_it_keeps_nothing_of_its_own_between_calls(self) -> None:
-        """What it must remember from frame to frame belongs into `context.memory`."""
+        """Memory from frame to frame belongs into `context.memory`."""
         used = self.make()
         list(self.exposures(used, 20.0, frames=5))
         assert [*self.exposures(used, 1.0, 5)] == [*self.exposures(self.make(), 1.0, 5)]

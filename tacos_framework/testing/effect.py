@@ -1,4 +1,4 @@
-"""What every effect must do."""
+"""Conformance suite of effects."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class EffectConformance(ComponentConformance):
         return sample_expected_dn()
 
     def context(self) -> ImageContext:
-        """What is known of the sample."""
+        """Context of the sample."""
         capture, exposure = sample_capture(), sample_exposure()
         view, in_sensor = capture.views[0], self.component.stage in ("pixel", "readout")
         return ImageContext(
@@ -61,7 +61,7 @@ class EffectConformance(ComponentConformance):
         )
 
     def geometry(self) -> ImageGeometry:
-        """Where the pixels of the sample lie."""
+        """Geometry of the sample."""
         return ImageGeometry.of_camera(sample_capture().views[0].camera)
 
     def on_array(self, samples: NDArray[Any], config: Mapping[str, Any], *, seed: int = 1) -> NDArray[Any]:

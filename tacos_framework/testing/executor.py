@@ -1,4 +1,4 @@
-"""What every executor must do."""
+"""Conformance suite of executors."""
 
 from __future__ import annotations
 

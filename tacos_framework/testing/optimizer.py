@@ -1,4 +1,4 @@
-"""What every optimizer must do."""
+"""Conformance suite of optimizers."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class OptimizerConformance(ComponentConformance):
         )
 
     def problem(self) -> DesignProblem:
-        """What an optimizer that asks for it is told of the problem."""
+        """The problem for optimizers that ask for it."""
         return DesignProblem(
             Fitness((FitnessTerm("task.score", 1.0),)),
             episodes=EPISODES,
@@ -71,7 +71,7 @@ class OptimizerConformance(ComponentConformance):
         return self.component(self.component.Config(**self.config), **supplied)
 
     def fitness(self, candidate: Candidate) -> float | None:
-        """What candidates are worth; some fail."""
+        """Fitness of candidates; some fail."""
         pitch_deg = float(candidate.values["pitch_deg"])
         return None if pitch_deg > 20 else -((pitch_deg - 5) ** 2) + candidate.values["cameras"]
 
@@ -81,7 +81,7 @@ class OptimizerConformance(ComponentConformance):
         return {"pitch_deg": beyond_deg} if beyond_deg > 0 else {}
 
     def evaluated(self, asked: Candidate | Asked) -> Evaluated:
-        """What a study would tell of a candidate."""
+        """The evaluation that a study would report for a candidate."""
         candidate, episodes = _parts(asked)
         if broken := self.broken(candidate):
             return Evaluated(candidate, None, failed="pitch_deg is below -25", broken=broken)
@@ -248,7 +248,7 @@ def _parts(asked: Candidate | Asked) -> tuple[Candidate, tuple[int, ...] | None]
 
 
 def _name(asked: Candidate | Asked) -> str:
-    """What was asked, as text: the same for no other candidate or episodes."""
+    """The request as text: the same for no other candidate or episodes."""
     candidate, episodes = _parts(asked)
     return candidate.key if episodes is None else f"{candidate.key} on {sorted(episodes)}"
 

@@ -1,4 +1,4 @@
-"""What every procedure must do."""
+"""Conformance suite of procedures."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class InThisProcess:
 
 @dataclass(frozen=True)
 class FinishedRun:
-    """What a run gave and left, whatever becomes of its folder.
+    """Result and files of a run, whatever becomes of its folder.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class ProcedureConformance(ComponentConformance):
     _finished: ClassVar[FinishedRun | None] = None
 
     def run(self, out: Path, seed: int = 1) -> Mapping[str, Any]:
-        """What the procedure returns, run into an empty folder."""
+        """The procedure's return value, run into an empty folder."""
         out.mkdir()
         procedure = self.make()
         offered: dict[str, Any] = {

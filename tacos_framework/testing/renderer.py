@@ -1,4 +1,4 @@
-"""What every renderer must do."""
+"""Conformance suite of renderers."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class RendererConformance(ComponentConformance):
         rig: Rig | None = None,
         exposure: Exposure | None = None,
     ) -> Capture:
-        """What the renderer gives for the sample episode, or another."""
+        """The renderer's capture of the sample episode, or another."""
         keywords = supplied(renderer.capture, rig=rig or sample_rig(), exposure=exposure or sample_exposure())
         capture = renderer.capture(episode or sample_episode(frames=3), **keywords)
         assert isinstance(capture, Capture)

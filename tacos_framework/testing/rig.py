@@ -1,4 +1,4 @@
-"""What every rig must do."""
+"""Conformance suite of rigs."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class RigConformance(ComponentConformance):
         assert all(self.component.derived_quantities.values())
 
     def test_its_coordinates_are_finite_numbers(self) -> None:
-        """Where it declares any (`RigBuilder.coordinates`)."""
+        """Coordinates are checked where the rig declares any (`RigBuilder.coordinates`)."""
         rig = self.make()
         if not callable(optional(rig, RigBase, "coordinates")):
             return

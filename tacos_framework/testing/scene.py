@@ -1,4 +1,4 @@
-"""What every scene must do."""
+"""Conformance suite of scenes."""
 
 from __future__ import annotations
 

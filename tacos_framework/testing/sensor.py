@@ -1,4 +1,4 @@
-"""What every sensor must do."""
+"""Conformance suite of sensors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every perception task must do, and what those that learn must do besides."""
+"""Conformance suite of perception tasks, and of those that learn."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ class TrainableConformance(TaskConformance):
         assert fingerprint(state) == before
 
     def test_the_task_itself_learns_nothing(self) -> None:
-        """What is learnt lies in the state alone, or candidates would not start alike."""
+        """All that is learnt lies in the state, or candidates would not start alike."""
         task, frames = self.make(), self.frames()
         state = self.state(task)
         task.fit([frames], state=state, budget=Budget(epochs=1), rng=np.random.default_rng(2))

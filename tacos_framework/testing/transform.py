@@ -1,4 +1,4 @@
-"""What every transform must do."""
+"""Conformance suite of transforms."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class TransformConformance(ComponentConformance):
         return {port: samples[taken] for port, taken in ports.items()}
 
     def transformed(self, inputs: Mapping[str, Any], component: Any = None) -> Any:
-        """What a new instance makes of its inputs, or `component`."""
+        """Output of a new instance, or of `component`."""
         made = component or self.make()
         asked = supplied(
             made.transform,
@@ -66,7 +66,7 @@ class TransformConformance(ComponentConformance):
         assert fingerprint(inputs) == before
 
     def test_it_keeps_nothing_of_its_own_between_calls(self) -> None:
-        """What it must remember from frame to frame belongs into `memory`, which each episode has anew."""
+        """Memory from frame to frame belongs into `memory`, which each episode has anew."""
         inputs, component = self.inputs(), self.make()
         self.transformed(self.inputs(frames=2), component)
         assert fingerprint(self.transformed(inputs, component)) == fingerprint(self.transformed(inputs))

@@ -33,7 +33,7 @@ class Gene:
 
 
 class Variable(Protocol):
-    """What the design space asks of a variable. Genes are its own, inside their bounds."""
+    """Requirements of the design space on a variable. Genes are its own, inside their bounds."""
 
     @property
     def name(self) -> str:
