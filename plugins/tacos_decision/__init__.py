@@ -1,4 +1,4 @@
-"""What a finished study says beyond its winner: all parts ranked, equals, tolerances, importance, fronts.
+"""Analysis of a finished study: all parts ranked, equals, tolerances, importance, fronts.
 
 `read_result` reads the results folder of a study, and gives its tables as lists or data frames.
 """

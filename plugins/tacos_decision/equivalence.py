@@ -1,4 +1,4 @@
-"""Which cameras may be called equal to the best, and how far each variable may stray."""
+"""Cameras that may be called equal to the best, and the range of each variable that keeps them so."""
 
 from __future__ import annotations
 

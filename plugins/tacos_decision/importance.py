@@ -1,4 +1,4 @@
-"""How much each variable matters: Sobol indices of the posterior mean, and its course, all else at its best.
+"""Importance of each variable: Sobol indices of the posterior mean, and its course, all else at its best.
 
 References
 ----------

@@ -1,4 +1,4 @@
-"""What a study's own images say of cameras that it never simulated."""
+"""Scores of cameras that were never simulated, estimated from a study's own images."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class CameraModel:
         return cls(record, box)
 
     def posterior(self, cameras: Sequence[Values]) -> FitnessPosterior:
-        """What is known of the fitness of cameras, as plain values of their variables."""
+        """Posterior of the fitness of cameras, as plain values of their variables."""
         return self.posterior_of([self.point(camera) for camera in cameras])
 
     def point(self, camera: Values) -> Point:
@@ -101,7 +101,7 @@ class CameraModel:
         return {key: camera for key, camera in found.items() if not self.record.broken(camera)}
 
     def episodes_of(self, camera: Values) -> list[ScoredEpisode]:
-        """What a camera was scored on."""
+        """Episodes that a camera was scored on."""
         return self._episodes.get(content_key(camera), [])
 
     @cached_property

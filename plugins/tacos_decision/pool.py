@@ -43,7 +43,7 @@ class Pool:
 
     @property
     def dimensions(self) -> int:
-        """How many numbers the rest takes."""
+        """Number of genes beside the parts."""
         return sum(len(each.genes) for each in self.space.variables if not isinstance(each, CatalogChoice))
 
     def camera(self, parts: Parts, unit: NDArray[np.float64]) -> dict[str, Any]:
@@ -108,5 +108,5 @@ def part_names(catalogs: Sequence[CatalogChoice], camera: Values) -> tuple[str, 
 
 
 def joined(names: Sequence[str]) -> str:
-    """What people call a combination of parts."""
+    """Everyday name of a combination of parts."""
     return " + ".join(names)

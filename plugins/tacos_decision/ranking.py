@@ -111,7 +111,7 @@ def left_out(model: CameraModel, pool: Pool, found: BestOfParts) -> list[dict[st
 
 
 def _unknown(model: CameraModel, cameras: Sequence[Values]) -> list[list[str]]:
-    """What is bounded or matters, and is not known of each camera, though it is of others."""
+    """Quantities that are bounded or matter, and are known of some cameras and not of others."""
     unknown = []
     for camera in cameras:
         known = model.record.coordinates(camera)
@@ -167,7 +167,7 @@ def _entries_of_cameras(model: CameraModel) -> list[tuple[str, Values]]:
 
 
 def _excluded(model: CameraModel, choice: CatalogChoice, part: CatalogPart, found: BestOfParts) -> str:
-    """Which constraints on columns of its own a part breaks, whatever stands beside it."""
+    """Constraints on columns of its own that a part breaks, whatever stands beside it."""
     beside = next(iter(found.cameras.values()), {})
     broken = model.record.broken({**beside, choice.name: part.as_dict()})
     own = [name for name in broken if name.startswith(f"{choice.name}.")]

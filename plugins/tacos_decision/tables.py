@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class StudyResult:
-    """What came out of a study, as tables.
+    """Outcome of a study, as tables.
 
     Each method gives a data frame of pandas (the extra ``frames``); `rows` gives the same as plain values.
 

@@ -1,4 +1,4 @@
-"""What a study claims, in keys of ``result.json``: a verdict with its certainty, or why there is none."""
+"""Claims of a study, in keys of ``result.json``: a verdict with its certainty, or the reason for none."""
 
 from __future__ import annotations
 

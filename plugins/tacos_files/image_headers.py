@@ -1,4 +1,4 @@
-"""What an image file says of its size, and whether it is whole, before anything is decoded.
+"""Size and completeness of an image file, before anything is decoded.
 
 Decoders believe the header: a file of a megabyte may claim gigabytes, and rows that are missing become black.
 Pure functions of bytes.
@@ -36,7 +36,7 @@ class HeaderError(ValueError):
 
 @dataclass(frozen=True)
 class ImageHeader:
-    """What a file says of the image in it.
+    """Size, depth and channels of an image, by its header.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def _by_pillow(content: bytes) -> ImageHeader:
 
 
 def _end_of_rows(image: Any) -> int:
-    """Where the rows of a BMP end that are not packed; 0 for others."""
+    """End of the rows of a BMP that is not packed; 0 for others."""
     rows = [(start, args[1]) for kind, _, start, args in image.tile if kind == "raw"]
     return max((start + stride * image.height for start, stride in rows), default=0)
 

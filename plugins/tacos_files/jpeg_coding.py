@@ -1,4 +1,4 @@
-"""How a JPEG file was coded, as its own header says."""
+"""Coding of a JPEG file, by its own header."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class JpegCoding(NamedTuple):
 
 
 def jpeg_coding(path: Path, *, where: str | None = None, within: Path | None = None) -> JpegCoding | None:
-    """How a file was coded, by its header alone; None where it is no JPEG, or its header cannot be read.
+    """Coding of a file, by its header alone; None if it is no JPEG, or its header cannot be read.
 
     Parameters are those of `tacos_framework.files.regular.read_bytes`.
 

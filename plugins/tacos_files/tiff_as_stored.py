@@ -38,7 +38,7 @@ _LETTERS = {_SHORT: "H", _LONG: "I", _LONG8: "Q"}
 
 @dataclass(frozen=True)
 class TiffAsStored:
-    """What to decode.
+    """Planes of a TIFF to decode, as they are stored.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def _entries(content: bytes, offset: int) -> tuple[dict[int, bytes], int]:
 
 
 def _next(content: bytes, offset: int) -> int:
-    """Where the directory behind one begins; 0 behind the last, and where the file ends before it says."""
+    """Offset of the next directory; 0 behind the last, and where the file ends before it says."""
     order, _, letter, _ = _form(content)
     _, end = _entries(content, offset)
     if end + struct.calcsize(order + letter) > len(content):

@@ -1,4 +1,4 @@
-"""What a study decided, and its analysis: keys of ``result.json``, each of them optional."""
+"""Decision and analysis of a study: keys of ``result.json``, each of them optional."""
 
 from __future__ import annotations
 

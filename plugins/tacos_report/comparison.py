@@ -50,7 +50,7 @@ class CameraDifference:
 
     @property
     def outcome(self) -> Outcome:
-        """Whether the designed camera is better; undecided where the interval holds zero."""
+        """``better`` or ``worse`` for the designed camera; ``undecided`` where the interval holds zero."""
         gain = self.value if self.higher_is_better else -self.value
         if abs(gain) <= (self.error or 0.0):
             return "undecided"

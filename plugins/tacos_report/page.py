@@ -134,7 +134,7 @@ class Folded:
 
 @dataclass(frozen=True)
 class Legend:
-    """What colours stand for, as (name, CSS colour)."""
+    """Meaning of colours, as (name, CSS colour)."""
 
     entries: tuple[tuple[str, str], ...]
     kind: Literal["legend"] = "legend"

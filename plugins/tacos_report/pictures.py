@@ -29,7 +29,7 @@ MOST_ENLARGED = 1.5
 
 @dataclass(frozen=True)
 class FramePlacement:
-    """Where a frame goes in a row of frames, in percent of the row's width."""
+    """Position of a frame in a row of frames, in percent of the row's width."""
 
     width: float
     top: float

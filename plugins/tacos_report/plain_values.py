@@ -36,7 +36,7 @@ def text(value: Any) -> str:
 
 
 def showable(value: Any) -> bool:
-    """Whether a value is a text or a finite number."""
+    """True for text and finite numbers."""
     return bool(text(value)) or isinstance(value, bool) or finite(value) is not None
 
 

@@ -1,4 +1,4 @@
-"""What the parts of a camera cost together, as far as their catalogs state it."""
+"""Price of a camera's parts together, as far as their catalogs state it."""
 
 from __future__ import annotations
 

@@ -159,7 +159,7 @@ def shown(name: str, value: Any, unit: str | None = None) -> str:
 
 
 def row_detail(row: dict[str, Any]) -> str:
-    """What tells a sensor from another: ``2.4 µm pixels, 7.4 × 5.0 mm``; empty where it is not known."""
+    """Characteristics of a sensor: ``2.4 µm pixels, 7.4 × 5.0 mm``; empty where they are not known."""
     parts = []
     if _is_number(row.get("pixel_um")):
         parts.append(f"{quantity(row['pixel_um'], 'um')} pixels")

@@ -74,7 +74,7 @@ def design_words(camera: Mapping[str, Any]) -> str:
 
 
 def optics_words(camera: Mapping[str, Any], units: Mapping[str, str]) -> str:
-    """What a camera has beside its parts: ``focal length 2.9 mm, pitch −20°``."""
+    """Optics and mounting of a camera: ``focal length 2.9 mm, pitch −20°``."""
     return ", ".join(
         f"{words(name).lower()} {shown(name, camera[name], units.get(name) or unit_of(name))}"
         for name in in_order(camera)
@@ -105,7 +105,7 @@ def _variable_words(name: str, value: Any) -> str:
 
 
 def verdict(study: StudyData) -> str:
-    """How sure the comparison is, with the figures behind the headline."""
+    """Certainty of the comparison, with the figures behind the headline."""
     if study.analysis.degenerate:
         return study.analysis.degenerate
     if study.designed is None:
@@ -165,7 +165,7 @@ def against_best(study: StudyData) -> str:
 
 
 def per_score(study: StudyData) -> str:
-    """What the difference consists of: each score that the fitness takes; the table has the others."""
+    """Composition of the difference: each score that the fitness takes; the table has the others."""
     other = best_of(study.others)
     if study.designed is None or other is None:
         return ""
@@ -209,7 +209,7 @@ def higher_is_better(study: StudyData, score: str) -> bool:
 
 
 def floor_words(camera: CameraResult, eye_height_m: float, ground: str = "floor") -> str:
-    """Which floor, or ground, a camera sees straight ahead of the agent."""
+    """Floor or ground that a camera sees straight ahead of the agent."""
     vfov_deg = camera.derived.get("vfov_deg")
     if vfov_deg is None:
         return "not known"
@@ -222,12 +222,12 @@ def floor_words(camera: CameraResult, eye_height_m: float, ground: str = "floor"
 
 
 def ground_words(study: StudyData, camera: CameraResult) -> str:
-    """Which ground a camera of a study sees straight ahead."""
+    """Ground that a camera of a study sees straight ahead."""
     return floor_words(camera, study.eye_height_m, study.ground)
 
 
 def search_words(study: StudyData) -> str:
-    """How the search went: when the winner came, and whether it had settled."""
+    """Course of the search: when the winner came, and whether it had settled."""
     scored = study.scored
     rounds = len(study.generations)
     if not rounds:
@@ -244,7 +244,7 @@ def search_words(study: StudyData) -> str:
 
 
 def chosen_words(study: StudyData) -> str:
-    """Which of the candidates the designed camera is; the highest dot of many noisy ones may be luck."""
+    """Place of the designed camera among the candidates; the highest dot of many noisy ones may be luck."""
     if study.designed is None:
         return ""
     if any(study.shows_design(candidate.camera) for candidate in study.scored):
@@ -253,7 +253,7 @@ def chosen_words(study: StudyData) -> str:
 
 
 def size_words(study: StudyData) -> str:
-    """What the study took: candidates, images, time."""
+    """Cost of the study: candidates, images, time."""
     result = study.result
     parts = []
     if isinstance(evaluations := result.get("evaluations"), int):
@@ -278,7 +278,7 @@ def failure_groups(tried: Sequence[Tried]) -> list[FailureGroup]:
 
 
 def space_words(row: Mapping[str, Any]) -> str:
-    """What a design variable could be: ``1 mm to 20 mm``, ``43 rows of a catalog, quantized``."""
+    """Choices for a design variable: ``1 mm to 20 mm``, ``43 rows of a catalog, quantized``."""
     unit = row.get("unit") or unit_of(str(row.get("name", "")))
     lower, upper = row.get("lower"), row.get("upper")
     if isinstance(lower, int | float) and isinstance(upper, int | float):

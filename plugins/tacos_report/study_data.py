@@ -94,11 +94,11 @@ class StudyData:
         return next((camera for camera in self.cameras if camera.name == DESIGNED), None)
 
     def shows_design(self, camera: Mapping[str, Any]) -> bool:
-        """Whether the plain values are those of the designed camera itself."""
+        """True if the plain values are those of the designed camera itself."""
         return self.designed is not None and dict(camera) == dict(self.designed.camera)
 
     def has_parts_of_design(self, part: RankedPart) -> bool:
-        """Whether a row of the ranking is that of the designed camera's parts, whatever its optics."""
+        """True if a row of the ranking has the designed camera's parts, whatever its optics."""
         if self.designed is None or self.analysis.degenerate:
             return False
         parts = parts_of(self.designed.camera)
@@ -111,28 +111,28 @@ class StudyData:
 
     @property
     def ground(self) -> str:
-        """What the one who carries the cameras moves on."""
+        """Ground that the carrier of the cameras moves on."""
         return "ground" if self.carrier == "car" else "floor"
 
     @property
     def carrier(self) -> str:
-        """What carries the cameras, as the scene says: ``person``, ``car``, ...; empty where it does not."""
+        """Carrier of the cameras, as the scene names it: ``person``, ``car``, ...; else empty."""
         return text(self.result.get("carrier"))
 
     @property
     def score_meanings(self) -> Mapping[str, str]:
-        """What scores say, in a few words."""
+        """Meaning of scores, in a few words."""
         return {name: text(said) for name, said in mapping(self.result.get("score_meanings")).items()}
 
     def title_of(self, name: str) -> str:
-        """What people call a camera of the study, also where it has no results."""
+        """Title of a camera of the study, also where it has no results."""
         without_results = {each.against: each.title for each in self.analysis.comparisons if each.title}
         titles = {**without_results, **{camera.name: camera.title for camera in self.cameras}}
         return titles.get(name, name.replace("_", " "))
 
     @property
     def tested(self) -> bool:
-        """Whether the winner was scored on scenes it was not designed on."""
+        """True if the winner was scored on scenes it was not designed on."""
         return self.designed is not None and self.designed.fitness is not None
 
     @property
@@ -273,7 +273,7 @@ def document_of(recipe: str) -> Mapping[str, Any]:
 
 
 def _eye_height_m(recipe: Mapping[str, Any]) -> float:
-    """How high the cameras are: the middle of the heights of the agent's eye in the recipe, and the mount's.
+    """Height of the cameras: the middle of the heights of the agent's eye in the recipe, and the mount's.
 
     The field's default where no node has such a height.
     """

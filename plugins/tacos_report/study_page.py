@@ -40,7 +40,7 @@ def _header(study: StudyData) -> Iterator[Block]:
 
 
 def _hero(study: StudyData) -> Hero | None:
-    """What the designed camera sees, with the other frames drawn in where fields of view are known."""
+    """The designed camera's view, with the other frames drawn in where fields of view are known."""
     designed = study.designed
     if designed is None:
         return None

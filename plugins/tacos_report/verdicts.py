@@ -1,4 +1,4 @@
-"""What the study decided, in sentences: better, equal within a margin, worse, or not to be told."""
+"""Decision of the study in sentences: better, equal within a margin, worse, or undecided."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which files of a run are whole, which are damaged, and what that means; for ``tacos verify``."""
+"""Whole and damaged files of a run, and the consequences; for ``tacos verify``."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ OF_LINES = "Do not rely on it; reports read the database, and --resume writes it
 
 @dataclass(frozen=True)
 class FileCheck:
-    """What became of one file.
+    """State of one file.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class FileCheck:
 
     @property
     def meaning(self) -> str:
-        """What its damage means."""
+        """Consequence of its damage, in a sentence."""
         if self.name.endswith(".jsonl"):
             return OF_LINES
         return MEANINGS.get(self.name, MEANINGS.get(self.name.partition("/")[0], ""))

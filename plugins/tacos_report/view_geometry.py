@@ -1,4 +1,4 @@
-"""Where a camera on the agent looks: pure geometry behind the drawings.
+"""View directions of cameras on the agent: pure geometry behind the drawings.
 
 Angles are in degrees, pitch positive up, heights and distances in metres. Image coordinates here are in units
 of the focal length: x right, y down, the optical axis at (0, 0).
@@ -45,7 +45,7 @@ def wedge(
 
 
 def outlooks(derived: Mapping[str, float]) -> list[tuple[float, float]]:
-    """Where the cameras of a rig look: turn to the left, and horizontal field of view, of each [deg].
+    """Turn to the left and horizontal field of view of each camera of a rig [deg].
 
     A rig tells by what it derives: ``cameras`` is the number of an even ring, of which ``first_yaw_deg`` is
     the first; ``side_yaw_deg`` with ``side_hfov_deg`` is a pair of sides, ``back_hfov_deg`` a camera behind.

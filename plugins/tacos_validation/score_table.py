@@ -22,7 +22,7 @@ Wanted = tuple[Mapping[str, Any], EpisodeSpec]
 
 @dataclass(frozen=True)
 class TableRow:
-    """What one episode told of one camera.
+    """Scores of one camera in one episode.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class TableRow:
 
 
 class ScoreTable:
-    """What the cameras of a study score on each episode by itself.
+    """Scores of a study's cameras on each episode by itself.
 
     Worlds, paths and noise follow from the episode alone, so a score is a function of camera and episode,
     and a table of them answers whoever asks. Rows that stand in the results folder already are taken over
@@ -96,7 +96,7 @@ class ScoreTable:
         return sum(row.seconds for row in self._rows.values())
 
     def lacking(self, wanted: Iterable[Wanted]) -> list[Wanted]:
-        """What is wanted and not in the table yet, each once."""
+        """Wanted scores that are not in the table yet, each once."""
         by_key = {_key(values, spec): (values, spec) for values, spec in wanted}
         return [pair for key, pair in by_key.items() if key not in self._rows]
 
@@ -129,7 +129,7 @@ class ScoreTable:
         return self._rows[_key(values, spec)]
 
     def evaluation(self, values: Mapping[str, Any], specs: Sequence[EpisodeSpec]) -> Evaluation:
-        """What a study would have found for a camera on these episodes; all must be in the table."""
+        """Result of a study for a camera on these episodes; all must be in the table."""
         return evaluation_of(values, [self.row(values, spec) for spec in specs], self._plan.fitness)
 
 

@@ -19,7 +19,7 @@ _GAP_MM = 1.6
 
 @dataclass(frozen=True)
 class SheetFormat:
-    """How large parts and their names are drawn.
+    """Size of parts and of their names in the drawing.
 
     Parameters
     ----------

@@ -158,7 +158,7 @@ def _effect_use(name: str) -> str:
 
 
 def _kind_of_catalog(what: str) -> Literal["parts", "cameras"] | None:
-    """Which catalog a user names, if it is one: by its name, its ending, or what stands in the file."""
+    """The catalog that a user names, if it is one: by its name, its ending, or the content of the file."""
     from tacos_framework import catalog_names, read_yaml
 
     if what in catalog_names() or what.lower().endswith(".csv"):

@@ -97,7 +97,7 @@ def _coloured_triangles(world: World) -> tuple[Triangles, NDArray[np.uint8]]:
 
 
 def _covered(triangles: Triangles, eyes_m: NDArray[np.float64]) -> bool:
-    """Whether most places of the camera have something above them."""
+    """True if most places of the camera have something above them."""
     a, b, c = (triangles[:, i, :2] for i in range(3))
     whole = _twice_area(a, b, c)
     top = triangles[..., 2].min(axis=1)
@@ -143,7 +143,7 @@ def _paint_surfaces(
 
 
 def _paint_section(picture: Picture, sheet: _Sheet, triangles: Triangles, cut_m: float) -> None:
-    """What the cut goes through, as dark lines."""
+    """Cut through the world, as dark lines."""
     import cv2
 
     height = triangles[..., 2] - cut_m if math.isfinite(cut_m) else np.full(triangles.shape[:2], -1.0)

@@ -1,4 +1,4 @@
-"""What ``tacos view`` writes: PNG files, and a page of them."""
+"""Output of ``tacos view``: PNG files, and a page of them."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ MOST_SHOWN = 12
 
 @dataclass(frozen=True, eq=False)
 class CameraFrames:
-    """What one camera took: images and truth. Row 0 of every array is the top of the image.
+    """Images and truth of one camera. Row 0 of every array is the top of the image.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ class Rendering:
 
     @property
     def first(self) -> CameraFrames:
-        """What the first camera took."""
+        """Images and truth of the first camera."""
         return next(iter(self.cameras.values()))
 
     @property

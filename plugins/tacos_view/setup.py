@@ -87,7 +87,7 @@ class RenderSetup:
 
     @cached_property
     def exposure(self) -> Exposure:
-        """How the frames are exposed."""
+        """Exposure of the frames."""
         first = self.plan.recipe.scenarios[0]
         name = first.name if isinstance(first, NamedScenario) else ""
         scenario = first.model_copy(update=self._overrides.of_scenario(name))

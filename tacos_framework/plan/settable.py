@@ -129,7 +129,7 @@ class Settable:
         return known
 
     def _is_part(self, variable: str, target: Target) -> bool:
-        """True if there is such a node or effect, and for the camera that the variable names; a fault otherwise."""
+        """True if there is such a node or effect, for the variable's camera; a fault otherwise."""
         recipe = self.findings.recipe
         if target.kind == EXPOSURE:
             at_fault = recipe.where((EXPOSURE,)) in {fault.where for fault in self.findings.faults}

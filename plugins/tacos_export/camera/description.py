@@ -1,4 +1,4 @@
-"""What files say of a camera: geometry, lens, noise."""
+"""A camera in files: geometry, lens, noise."""
 
 from __future__ import annotations
 

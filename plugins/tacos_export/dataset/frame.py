@@ -29,7 +29,7 @@ class DatasetCamera:
 
 @dataclass(frozen=True, eq=False)
 class Dataset:
-    """What writers know before the first frame comes.
+    """Facts that writers need before the first frame comes.
 
     Parameters
     ----------

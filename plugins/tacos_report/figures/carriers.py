@@ -1,4 +1,4 @@
-"""What carries a camera, drawn from the side in metres: the camera is at x = 0 and looks to the right."""
+"""Carriers of a camera, drawn from the side in metres: the camera is at x = 0 and looks to the right."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tacos_report.palette import MUTED, PAPER, RULE
 
 @dataclass(frozen=True)
 class Carrier:
-    """How one carrier is drawn.
+    """Drawing of one carrier.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What the fitness of each camera is made of, as stacked bars."""
+"""Contributions to the fitness of each camera, as stacked bars."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ class _Stage:
 
     @property
     def reach_m(self) -> float:
-        """How far views are drawn: the rest of the width is for labels."""
+        """Length of the drawn views: the rest of the width is for labels [m]."""
         return 0.885 * self.carrier.ahead_m
 
     @property
@@ -88,7 +88,7 @@ def side_view(
 
 
 def _surroundings(axes: Axes, stage: _Stage) -> None:
-    """Who carries the camera, the ground and the horizon."""
+    """The carrier of the camera, the ground and the horizon."""
     ahead, height_m = 0.98 * stage.carrier.ahead_m, stage.height_m
     stage.carrier.paint(axes, height_m)
     axes.plot([0], [height_m], "o", color=INK, markersize=4.5, zorder=5)

@@ -1,4 +1,4 @@
-"""Where the time of a study went."""
+"""Time of a study by its parts."""
 
 from __future__ import annotations
 

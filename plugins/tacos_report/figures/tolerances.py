@@ -1,4 +1,4 @@
-"""How far each variable may stray: ranges within the bounds of the design space."""
+"""Tolerance of each variable: ranges within the bounds of the design space."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ from tacos_report.study_data import StudyData
 
 
 def of_study(study: StudyData) -> list[Section]:
-    """What to do and how sure that is, then the cameras, then how they were found; no empty ones."""
+    """Sections in order: the advice and its certainty, the cameras, the search; no empty ones."""
     found = (Section(title, tuple(blocks)) for title, blocks in _titled(study))
     return [section for section in found if section.blocks]
 
@@ -51,7 +51,7 @@ def _titled(study: StudyData) -> Iterator[tuple[str, Iterable[Block]]]:
 
 
 def cautions(study: StudyData) -> list[str]:
-    """What to know before all else: notes that stand with no part to buy, and why there was no test."""
+    """Notes that come first: those without a part to buy, and the reason for a missing test."""
     of_parts = purchase.doubts(study)
     found = [note for note in study.notes if note not in of_parts]
     if (stopped := study.result.get("stopped")) and not study.tested:

@@ -60,7 +60,7 @@ def blocks(study: StudyData) -> Iterator[Block]:
 
 
 def camera_table(study: StudyData) -> Table:
-    """What each camera is: variables, derived quantities, the floor it sees, what was optimised for it."""
+    """Each camera: variables, derived quantities, the floor it sees, what was optimised for it."""
     return _table("Property", tuple(_properties(study)), "The cameras", study)
 
 

@@ -1,4 +1,4 @@
-"""How much each variable matters, and the fitness along it."""
+"""Importance of each variable, and the fitness along it."""
 
 from __future__ import annotations
 

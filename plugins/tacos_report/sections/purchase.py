@@ -1,4 +1,4 @@
-"""What to buy: parts, lens, mounting, and what nobody states of them."""
+"""Shopping list: parts, lens, mounting, and what no source states of them."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def _title(part: Mapping[str, Any]) -> str:
 
 
 def _properties(part: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """What is known of a part, column by column; pixels and millimetres of its two sides in one row each."""
+    """Known values of a part, column by column; pixels and millimetres of its two sides in one row each."""
     pairs = {"width_px": ("height_px", "Pixels", "px"), "width_mm": ("height_mm", "Active area", "mm")}
     done = {other for other, _, _ in pairs.values()}
     for name, value in part.items():
@@ -83,7 +83,7 @@ def _properties(part: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def _lens_wanted(camera: CameraResult, study: StudyData) -> Iterator[tuple[str, str]]:
-    """What to look for where the design names a focal length and no lens."""
+    """Advice on a lens where the design names a focal length alone."""
     yield "Focal length", shown("focal_length_mm", camera.camera["focal_length_mm"])
     width_mm, height_mm = _sides_mm(camera)
     if width_mm is not None and height_mm is not None:
@@ -97,7 +97,7 @@ def _lens_wanted(camera: CameraResult, study: StudyData) -> Iterator[tuple[str, 
 
 
 def _fit(camera: CameraResult) -> tuple[tuple[str, str], ...]:
-    """Whether lens and sensor go together, as far as it is known."""
+    """Fit of lens and sensor, as far as it is known."""
     margin_mm = camera.derived.get("image_circle_margin_mm")
     circle = "not known: nobody states the image circle"
     if margin_mm is not None:

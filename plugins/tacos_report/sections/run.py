@@ -1,4 +1,4 @@
-"""What the run took, what failed in it, and what it takes to repeat it."""
+"""Cost and failures of the run, and how to repeat it."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def repeat(study: StudyData) -> Iterator[Block]:
 
 
 def _environment(study: StudyData) -> Iterator[tuple[str, str]]:
-    """What the study ran on, and the packages last: they are many."""
+    """Machine of the study, and the packages last: they are many."""
     environment = mapping(study.result.get("environment"))
     rows = {**environment, **mapping(environment.get("findings"))}
     packages = mapping(rows.pop("packages", None))

@@ -1,4 +1,4 @@
-"""What each camera reached in each scenario."""
+"""Scores of each camera in each scenario."""
 
 from __future__ import annotations
 

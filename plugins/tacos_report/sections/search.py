@@ -1,4 +1,4 @@
-"""How the search went, and where in the design space it looked."""
+"""Course of the search, and the places it looked at in the design space."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tacos_report.study_data import StudyData, Tried, parts_of
 
 
 def course(study: StudyData) -> Iterator[Block]:
-    """When the winner came, and a curve of all candidates."""
+    """Arrival of the winner, and a curve of all candidates."""
     stopped = study.result.get("stopped")
     yield Paragraph(f"{story.search_words(study)}{f' It ended: {stopped}.' if stopped else ''}")
     if study.scored:

@@ -1,4 +1,4 @@
-"""What each camera sees: fields of view from the side and from above."""
+"""Views of each camera: fields of view from the side and from above."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ HEADS = ("", "Camera", "Fitness", "In round")
 
 
 def state(study: RunningStudy, now_s: float) -> str:
-    """Whether it runs, and what it has done.
+    """State and progress of the run.
 
     Parameters
     ----------

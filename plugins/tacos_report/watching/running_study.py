@@ -1,4 +1,4 @@
-"""What can be told of a study from its folder while it runs."""
+"""State of a study, from its folder, while it runs."""
 
 from __future__ import annotations
 
@@ -103,12 +103,12 @@ def read_running(folder: Path) -> RunningStudy:
 
 
 def _result(path: Path) -> Mapping[str, Any]:
-    """What a finished run left; nothing while it runs."""
+    """Result of a finished run; nothing while it runs."""
     return read_run_json(path) if path.exists() else {}
 
 
 def _written_at_s(folder: Path) -> Iterator[float]:
-    """When each file was written; one may go while we look, as those of sqlite do."""
+    """Time of the last change of each file; one may go while we look, as those of sqlite do."""
     yield 0.0
     for path in folder.iterdir():
         with suppress(FileNotFoundError):

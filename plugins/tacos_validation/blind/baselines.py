@@ -23,7 +23,7 @@ LEAST_GAIN = 0.02
 
 
 def simpler_answers(found: Diagnosis, effects: Mapping[str, type[Any]]) -> dict[str, list[str]]:
-    """What each simpler way names, best first; an empty list for nothing.
+    """Effects named by each simpler method, best first; an empty list for nothing.
 
     Parameters
     ----------

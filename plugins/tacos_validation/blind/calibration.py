@@ -1,4 +1,4 @@
-"""Whether what an answer says of its own certainty holds."""
+"""Calibration of answers: does their stated certainty hold?"""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def expected_calibration_error(stated: Sequence[Stated]) -> float:
 
 
 def coverage(parameters: Sequence[ParameterFound]) -> list[tuple[float, Figure]]:
-    """How many intervals hold the truth when those of 90 % are scaled to each of `LEVELS`."""
+    """Share of intervals that hold the truth when those of 90 % are scaled to each of `LEVELS`."""
     off = [each.half_widths_off for each in parameters if each.half_widths_off is not None]
     at_90 = stats.norm.ppf(0.95)
     return [

@@ -34,7 +34,7 @@ class Case:
 
     @property
     def effects(self) -> tuple[str, ...]:
-        """What was withheld."""
+        """Names of the withheld effects."""
         return tuple(each["effect"] for each in self.truth["withheld"])
 
     @property
@@ -59,17 +59,17 @@ class Case:
 
     @property
     def failed(self) -> bool:
-        """Whether there was no answer at all."""
+        """True if there was no answer at all."""
         return "error" in self.answer
 
     @property
     def causes(self) -> tuple[str, ...]:
-        """What was named, best first."""
+        """Named effects, best first."""
         return tuple(cause["effect"] for cause in self.answer.get("causes", ()))
 
     @property
     def sureness(self) -> tuple[float, ...]:
-        """How sure the answer is of each cause."""
+        """Certainty of each cause in the answer."""
         return tuple(sureness(cause) for cause in self.answer.get("causes", ()))
 
     @property
@@ -91,7 +91,7 @@ class Case:
 
     @property
     def known(self) -> KnownTruth | None:
-        """What is known, where that is less than everything (T5) or more than what was withheld (T7)."""
+        """Known truth, where it is less than everything (T5) or more than what was withheld (T7)."""
         return KnownTruth.of(self.truth["known"]) if "known" in self.truth else None
 
     @property
@@ -107,7 +107,7 @@ class Case:
 
     @property
     def right(self) -> bool:
-        """Whether the answer is right, as its tier counts it."""
+        """True if the answer is right, by the rule of its tier."""
         if self.failed:
             return False
         if self.judgement:
@@ -125,7 +125,7 @@ class Case:
 
     @property
     def confident_and_wrong(self) -> bool:
-        """Whether something was named with a presence above one half, wrongly."""
+        """True if something was named with a presence above one half, wrongly."""
         if self.judgement:
             return self.judgement.confident_and_wrong
         return bool(self.causes) and not self.right and self.sureness[0] > SURE

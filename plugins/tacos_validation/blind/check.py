@@ -163,7 +163,7 @@ class GapBlindCheck:
 
 
 def _place_in_batch(each: Wanted) -> int:
-    """What takes longest goes first, so that no worker idles while another ends the batch."""
+    """Place in a batch: the longest cases first, so that no worker idles at the end."""
     if isinstance(each, RealCase):
         return 2
     if each.nuisance == "processed":

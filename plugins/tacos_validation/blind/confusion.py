@@ -1,4 +1,4 @@
-"""Which effect was taken for which: a matrix, and for phones a bar for each effect."""
+"""Confusion of effects: a matrix, and for phones a bar for each effect."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Confusion = Mapping[str, Counter[str]]
 
 
 def confusions(cases: Sequence[Case]) -> list[Drawing]:
-    """Who was taken for whom."""
+    """Drawings of the named effects by withheld effect."""
     return [
         in_both_widths(
             partial(confusion, title, found),
@@ -40,7 +40,7 @@ def confusions(cases: Sequence[Case]) -> list[Drawing]:
 
 
 def counted(cases: Sequence[Case]) -> Confusion:
-    """What was named first for each withheld effect, by name."""
+    """First named effect for each withheld effect, by name."""
     found: dict[str, Counter[str]] = {}
     for case in sorted(cases, key=lambda case: case.effects[0]):
         found.setdefault(case.effects[0], Counter())[case.first] += 1

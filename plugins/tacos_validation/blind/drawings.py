@@ -57,7 +57,7 @@ def _severities(steps: Sequence[tuple[float, Figure]], *, narrow: bool = False) 
 
 
 def reliability_diagrams(cases: Sequence[Case]) -> list[Drawing]:
-    """What was stated against how often it was so: of effects, and of answers as a whole."""
+    """Stated certainty against the share of right answers: of effects, and of answers as a whole."""
     return [
         _reliability(name, words, stated)
         for name, words, stated in (

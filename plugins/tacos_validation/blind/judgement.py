@@ -19,13 +19,13 @@ _LISTS = ("accept", "also", "confusable", "expect_verdict")
 
 
 def sureness(cause: Mapping[str, Any]) -> float:
-    """How sure an answer is that the effect is there: ``present``, or ``probability`` of older answers."""
+    """Certainty that the effect is there: ``present``, or ``probability`` of older answers."""
     return float(cause.get("present", cause.get("probability", 0.0)))
 
 
 @dataclass(frozen=True)
 class KnownTruth:
-    """What is known of a case.
+    """Known truth of a case.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class KnownTruth:
 
 @dataclass(frozen=True)
 class Judgement:
-    """What an answer is worth.
+    """Worth of an answer.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ class Judgement:
 
     @property
     def confident_and_wrong(self) -> bool:
-        """Whether something was named wrongly with a presence above one half."""
+        """True if something was named wrongly with a presence above one half."""
         return self.outcome in (WRONG, WRONG_BESIDE)
 
 
@@ -102,7 +102,7 @@ def judged(known: KnownTruth, answer: Mapping[str, Any]) -> Judgement:
 
 
 def _negligible(cause: Mapping[str, Any], limits: Mapping[str, Mapping[str, float]]) -> bool:
-    """Whether the first parameter that has a limit stays below it."""
+    """True if the first parameter that has a limit stays below it."""
     for name, limit in limits.get(cause["effect"], {}).items():
         for key, parameter in cause.get("parameters", {}).items():
             if key == name or (key.startswith(name) and isinstance(parameter["value"], int | float)):
@@ -111,7 +111,7 @@ def _negligible(cause: Mapping[str, Any], limits: Mapping[str, Mapping[str, floa
 
 
 def read_known(folder: Path, effects: Sequence[str]) -> dict[str, KnownTruth]:
-    """What is known of the folders of captures in a folder, by their names.
+    """Known truth of the folders of captures in a folder, by their names.
 
     Either one ``truth.json`` beside them, a mapping of their names to what is known, or one in each of them.
 

@@ -80,7 +80,7 @@ def _is_timed(batch: Batch) -> bool:
 
 
 def _batches(wanted: Sequence[Wanted], size: int) -> list[Batch]:
-    """What is timed goes first and alone; made cases and real ones follow in batches of their own."""
+    """Batches: timed cases first and alone, then made cases and real ones."""
     made = [each for each in wanted if isinstance(each, CaseSpecification)]
     timed = [each for each in made if each.tier == "speed"]
     others = [each for each in made if each.tier != "speed"]

@@ -60,7 +60,7 @@ class ParameterFound:
 
     @property
     def holds(self) -> bool | None:
-        """Whether the interval holds the truth."""
+        """True if the interval holds the truth."""
         return None if self.interval is None else self.interval[0] <= self.true <= self.interval[1]
 
     @property

@@ -146,7 +146,7 @@ def _write(out: Path, camera: Mapping[str, Any], captures: Sequence[Mapping[str,
 
 
 def _copied(out: Path, value: Any) -> Any:
-    """What a capture says, with files from elsewhere copied beside it: captures stay within their folder."""
+    """Value of a capture, with files from elsewhere copied beside it: captures stay within their folder."""
     if isinstance(value, list):
         return [_copied(out, each) for each in value]
     if isinstance(value, str) and Path(value).is_absolute():
@@ -200,7 +200,7 @@ def _darks(out: Path, frames: Mapping[int, Sequence[Path]]) -> None:
 
 
 def _series(out: Path, chosen: Mapping[int, Sequence[Path]], lit: Mapping[int, Sequence[Path]]) -> None:
-    """What is expected is the light of the *other* exposures, with the half code back that each had lost."""
+    """Expectation of each exposure: the light of the *others*, with the half code back that each had lost."""
     folder = _folder(out)
     frames = {time: _read(files[0]) for time, files in lit.items() if time <= LINEAR_MS}
     captures = []

@@ -30,7 +30,7 @@ class RealCase:
     write: Callable[[Path], None]
 
     def truth(self) -> dict[str, Any]:
-        """What is committed to."""
+        """The committed truth."""
         return {
             "specification": {
                 "tier": "T5",

@@ -1,4 +1,4 @@
-"""What workers do: diagnose a case blind, and later measure what the answer leaves on fresh captures."""
+"""Work of the workers: diagnose a case blind, and later measure its answer on fresh captures."""
 
 from __future__ import annotations
 

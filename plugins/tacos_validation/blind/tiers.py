@@ -1,4 +1,4 @@
-"""Which cases are made: the tiers of the check."""
+"""Tiers of the check, and the cases of each."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ APART = (
 
 
 class Counts(Settings):
-    """How many cases of each tier; the defaults take two hours on two cores."""
+    """Number of cases of each tier; the defaults take two hours on two cores."""
 
     t0: int = setting(20, help="T0, nothing withheld; 150 in full.", ge=0)
     ladder: tuple[float, ...] = setting(

@@ -1,1 +1,1 @@
-"""Whether a simulator ranks real cameras as reality does, before and after what it lacked was added."""
+"""Rank agreement of a simulator with real cameras, before and after what it lacked was added."""

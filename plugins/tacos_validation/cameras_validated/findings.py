@@ -1,4 +1,4 @@
-"""What a validation of cameras found."""
+"""Findings of a validation of cameras."""
 
 from __future__ import annotations
 

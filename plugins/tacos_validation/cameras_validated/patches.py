@@ -20,7 +20,7 @@ from tacos_plugins.building import part_of
 
 @dataclass(frozen=True, eq=False)
 class CameraPatch:
-    """What is added to the simulation of a camera.
+    """Effects added to the simulation of a camera.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How far simulations rank cameras as reality does, with what noise and the choice of scenes leave open."""
+"""Rank agreement of simulations with reality, with what noise and the choice of scenes leave open."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class CameraScores:
 
 @dataclass(frozen=True)
 class RankFinding:
-    """How alike a simulation and reality rank the cameras.
+    """Rank agreement of a simulation with reality.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def _standard_error(captures: Sequence[CaptureScores], stack: str, score: str) -
 
 
 def agreement_with_reality(scores: CameraScores, stack: str, seed: int) -> RankFinding:
-    """How alike a simulation, or reality under other noise (``real``), ranks the cameras."""
+    """Rank agreement of a simulation, or of reality under other noise (``real``), with reality."""
     reality = scores.drawn("real", seed)
     other = scores.drawn(stack, seed, again=True)
     return RankFinding(

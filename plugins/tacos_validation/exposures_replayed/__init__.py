@@ -1,1 +1,1 @@
-"""Whether exposures replayed from one exposure of a recording rank as the real ones do."""
+"""Rank agreement of exposures replayed from one exposure of a recording with the real ones."""

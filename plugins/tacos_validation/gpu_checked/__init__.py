@@ -1,1 +1,1 @@
-"""Whether the device in use renders what software renders, and how fast a study goes on it."""
+"""Comparison of the device in use with software rendering: equal pictures, and the speed of a study."""

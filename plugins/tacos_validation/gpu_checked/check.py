@@ -120,7 +120,7 @@ def _middle(plan: Plan) -> dict[str, Any]:
 
 
 def _summary(result: Mapping[str, Any]) -> str:
-    """What came out, in a few lines."""
+    """Result in a few lines."""
     rates = result["frames_per_s"]
     device = result["renderer"]
     lines = [

@@ -21,7 +21,7 @@ LUMINANCE_TOLERANCE = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Pictures:
-    """What a device rendered.
+    """Pictures of one device.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class Pictures:
 
 @dataclass(frozen=True)
 class Difference:
-    """How far two devices' pictures part.
+    """Difference of two devices' pictures.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def taken_on(device: str, recipe: Recipe, values: dict[str, Any], frames: int) -
 
 
 def difference(one: Pictures, other: Pictures) -> Difference:
-    """How far the pictures of two devices part."""
+    """Difference of the pictures of two devices."""
     same = one.object_id == other.object_id
     with np.errstate(invalid="ignore"):  # infinity less infinity
         apart = np.abs(one.depth_m - other.depth_m) > 1e-3 * np.minimum(one.depth_m, other.depth_m)

@@ -165,7 +165,7 @@ class ValidateNoise:
 
 
 def _finding(title: str, checked: Sequence[Checked]) -> str:
-    """How far slopes and variances are from the prediction, in a line."""
+    """Distance of slopes and variances from the prediction, in a line."""
     slopes = [
         m.fit.photon_dn / photon - 1
         for c in checked

@@ -45,7 +45,7 @@ class FromTable:
 
 @dataclass(frozen=True)
 class Stand:
-    """What a run recommends at a checkpoint.
+    """Recommendation of a run at a checkpoint.
 
     Parameters
     ----------

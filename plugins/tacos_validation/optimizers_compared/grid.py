@@ -111,7 +111,7 @@ def coarse_grid(space: DesignSpace, steps: Mapping[str, float]) -> Iterator[Cand
 
 
 def count_coarse(space: DesignSpace, steps: Mapping[str, float]) -> int:
-    """How many candidates `coarse_grid` gives."""
+    """Number of candidates of `coarse_grid`."""
     return math.prod(len(_coarse_values(variable, steps)) for variable in space.variables)
 
 

@@ -1,4 +1,4 @@
-"""What a comparison of optimizers found."""
+"""Findings of a comparison of optimizers."""
 
 from __future__ import annotations
 

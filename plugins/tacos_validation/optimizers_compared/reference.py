@@ -1,4 +1,4 @@
-"""How good a camera can be on the held-out scenes: looked for on those scenes themselves."""
+"""The best camera on the held-out scenes: looked for on those scenes themselves."""
 
 from __future__ import annotations
 

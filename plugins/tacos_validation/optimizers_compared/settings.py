@@ -1,4 +1,4 @@
-"""What is compared, on what, and against what."""
+"""Optimizers, problem and reference of a comparison."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ class JudgedRun:
 
 @dataclass(frozen=True)
 class Ratio:
-    """How many times the images of another optimizer are those of this one.
+    """Ratio of another optimizer's images to those of this one.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ class Ratio:
 
 @dataclass(frozen=True)
 class Standing:
-    """What an optimizer achieved, over its runs.
+    """Achievement of an optimizer, over its runs.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ def standings(
 
 
 def ratio(theirs: float, own: float, their_budget: int) -> Ratio:
-    """How many times the images `own` the images `theirs` are.
+    """Ratio of the images `own` to the images `theirs`.
 
     Examples
     --------

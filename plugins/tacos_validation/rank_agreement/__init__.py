@@ -1,1 +1,1 @@
-"""Whether a small study ranks cameras as the same study at full size does."""
+"""Rank agreement of a small study with the same study at full size."""

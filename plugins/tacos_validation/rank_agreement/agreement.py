@@ -1,4 +1,4 @@
-"""How well two orders of the same cameras agree, and how sure that is."""
+"""Agreement of two orders of the same cameras, with its certainty."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def agreement(
 def agreement_of_halves(
     cameras: Sequence[str], fitness: FitnessOn, scenes: int, *, resamples: int, rng: np.random.Generator
 ) -> float | None:
-    """How well a study agrees with itself on other scenes: the median tau-b of its orders on two halves.
+    """Agreement of a study with itself on other scenes: the median tau-b of its orders on two halves.
 
     What two studies on the same scenes share, the luck of the scenes, is in their tau; it is not in this one.
     A half is less than the study, so this says too little rather than too much. None below two scenes.

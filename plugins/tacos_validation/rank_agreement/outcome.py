@@ -1,4 +1,4 @@
-"""What a rank agreement found."""
+"""Findings of a rank agreement."""
 
 from __future__ import annotations
 
@@ -124,12 +124,12 @@ class RankOutcome:
 
     @property
     def passes(self) -> bool:
-        """Whether the small study may stand for the big one."""
+        """True if the small study may stand for the big one."""
         return not self.doubts
 
     @property
     def shared(self) -> str:
-        """What both studies share, and so what their agreement does not tell."""
+        """Assumptions that both studies share, and that their agreement therefore does not test."""
         halves = [
             f"{light.of_halves:.2f} by {light.name}" for light in self.lights if light.of_halves is not None
         ]

@@ -1,4 +1,4 @@
-"""What is measured, with which cameras, in which lights."""
+"""Measured agreement, its cameras and lights."""
 
 from __future__ import annotations
 

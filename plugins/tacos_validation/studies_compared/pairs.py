@@ -1,4 +1,4 @@
-"""What variants of a study achieved, and their differences seed by seed."""
+"""Achievements of the variants of a study, and their differences seed by seed."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def spread(values: Sequence[float]) -> Spread:
 
 @dataclass(frozen=True)
 class VariantDifference:
-    """How a variant did against the reference on one score, each seed against its own twin.
+    """A variant against the reference on one score, each seed against its own twin.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What the finished studies say, row by row, over their seeds."""
+"""Findings of the finished studies, row by row, over their seeds."""
 
 from __future__ import annotations
 

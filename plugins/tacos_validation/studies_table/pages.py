@@ -65,7 +65,7 @@ class TableOutcome:
 
 
 def folder_of(study: str, seed: int) -> str:
-    """Where the results of a run lie, inside the results folder."""
+    """Folder of a run's results, inside the results folder."""
     return f"studies/{study}_{seed}"
 
 
@@ -141,7 +141,7 @@ def _plain(cell: SummaryCell) -> float | str | None:
 
 
 def _headline(outcome: TableOutcome) -> str:
-    """Which row is best, by the first column in which one alone is."""
+    """The best row, by the first column in which one alone is best."""
     for number_, column in enumerate(outcome.config.columns):
         best = [row for row in outcome.rows if row.cells[number_].best]
         if len(best) == 1:

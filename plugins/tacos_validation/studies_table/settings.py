@@ -1,4 +1,4 @@
-"""What is compared: the studies, and the table they are put into."""
+"""Studies of a comparison, and the table they are put into."""
 
 from __future__ import annotations
 

@@ -107,7 +107,7 @@ class StudiesTable:
         return recipe
 
     def _missing(self, study: Planned) -> Iterator[Fault]:
-        """What rows and columns ask of a study that it will not have."""
+        """Demands of rows and columns on a study that it will not meet."""
         cameras = [DESIGNED, *(camera.name for camera in study.plan.cameras)]
         for number, row in enumerate(self.config.rows):
             if row.study == study.name and row.camera not in cameras:

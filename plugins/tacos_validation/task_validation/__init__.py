@@ -1,1 +1,1 @@
-"""Whether cameras rank alike in two simulators, or in a simulator and what stands for reality."""
+"""Rank agreement of two simulators, or of a simulator with what stands for reality."""

@@ -16,7 +16,7 @@ from tacos_plugins.noise_calibration.bench import expose
 
 @dataclass(frozen=True, eq=False)
 class Taken:
-    """What one camera came to in one simulator.
+    """Scores of one camera in one simulator.
 
     Parameters
     ----------

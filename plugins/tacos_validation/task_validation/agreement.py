@@ -1,4 +1,4 @@
-"""How far two sets of scores rank cameras alike; pure statistics over noise seeds."""
+"""Agreement of two sets of scores on the rank of cameras; pure statistics over noise seeds."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class OverSeeds:
 
 @dataclass(frozen=True)
 class Agreement:
-    """How alike two rankings are.
+    """Agreement of two rankings.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def over_seeds(values: Sequence[float] | NDArray[np.float64]) -> OverSeeds:
 
 
 def rank_agreement(first: NDArray[np.float64], second: NDArray[np.float64]) -> Agreement:
-    """How alike two sets of scores rank the same things, seed by seed.
+    """Agreement of two sets of scores on the rank of the same things, seed by seed.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def level_agreement(first: NDArray[np.float64], second: NDArray[np.float64]) -> 
 
 
 def within(scores: NDArray[np.float64]) -> Agreement:
-    """How alike (seeds, things) scores rank things under one seed and under the next: what noise allows."""
+    """Agreement of (seeds, things) scores under one seed with those under the next: the noise's bound."""
     return rank_agreement(scores, np.roll(scores, 1, axis=0))
 
 

@@ -1,4 +1,4 @@
-"""What a validation found: scores of every camera in both simulators, and how alike they rank."""
+"""Findings of a validation: scores of every camera in both simulators, and their rank agreement."""
 
 from __future__ import annotations
 
@@ -53,17 +53,17 @@ class ValidationFindings:
         return len(self.reference[0].on_target_px)
 
     def overall(self, setting: int) -> Agreement:
-        """How alike both rank the cameras by the mean over all pairs of places."""
+        """Agreement on the cameras by the mean over all pairs of places."""
         ours, theirs = (self.scores(taken)[setting].mean(axis=-1) for taken in self._both)
         return rank_agreement(ours, theirs)
 
     def at_pair(self, setting: int, pair: int) -> Agreement:
-        """How alike both rank the cameras between two neighbouring places."""
+        """Agreement on the cameras between two neighbouring places."""
         ours, theirs = (self.scores(taken)[setting, ..., pair] for taken in self._both)
         return rank_agreement(ours, theirs)
 
     def floor_at_pair(self, setting: int, pair: int) -> Agreement:
-        """How alike the reference ranks them there under one noise and under another."""
+        """Agreement of the reference with itself there, under one noise and under another."""
         return within(self.scores(self.reference)[setting, ..., pair])
 
     def per_pair(self, setting: int) -> OverSeeds:
@@ -82,7 +82,7 @@ class ValidationFindings:
 
     @property
     def everything(self) -> Agreement:
-        """How alike both rank every camera under every exposure, all against all."""
+        """Agreement on every camera under every exposure, all against all."""
         ours, theirs = (self._every_case(taken) for taken in self._both)
         return rank_agreement(ours, theirs)
 
@@ -96,7 +96,7 @@ class ValidationFindings:
         return np.argsort(-self.scores(taken)[setting].mean(axis=(0, 2)), kind="stable").tolist()
 
     def same_order(self, setting: int) -> bool:
-        """Whether both come to one order of the cameras."""
+        """True if both come to one order of the cameras."""
         return self.order(self.simulated, setting) == self.order(self.reference, setting)
 
     def nearest(self, setting: int) -> tuple[int, int, float]:

@@ -1,4 +1,4 @@
-"""What is photographed: the sets of captures a case may consist of."""
+"""Sets of captures that a case may consist of."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is off in one capture, and how its pictures are then taken."""
+"""Disturbances of one capture, and its pictures under them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tacos_validation.blind.generators.light_effects import InjectedDefocus
 
 @dataclass(frozen=True)
 class CaptureNuisance:
-    """What is off in one capture, or in all captures of a group.
+    """Disturbances of one capture, or of all captures of a group.
 
     Parameters
     ----------

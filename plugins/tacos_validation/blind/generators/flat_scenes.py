@@ -1,4 +1,4 @@
-"""What stands before the camera: even fields, textures, edges, charts, boards."""
+"""Flat scenes before the camera: even fields, textures, edges, charts, boards."""
 
 from __future__ import annotations
 

@@ -98,7 +98,7 @@ class InjectedPoseError(InjectedEffect):
     tz: float = 0.0
 
     def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
-        """Where the rays of the real camera meet the plane, as the believed camera sees it."""
+        """Points where rays of the real camera meet the plane, as the believed camera sees it."""
         if not shot.has_pose:
             return x, y
         f, (cx, cy) = shot.camera.focal_px, shot.camera.centre_px
@@ -122,6 +122,6 @@ class InjectedRollingShutter(InjectedEffect):
     row_time_us: float = 0.0
 
     def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
-        """What moves has gone on when a row comes."""
+        """Source pixels when moving things have gone on by the time a row is read."""
         later_s = row * self.row_time_us * 1e-6
         return x - shot.velocity_px_s[0] * later_s, y - shot.velocity_px_s[1] * later_s

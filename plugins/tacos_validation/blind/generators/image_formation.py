@@ -25,7 +25,7 @@ def seen(shot: IdealShot, effects: Sequence[InjectedEffect], pad: int = 0) -> Im
 
 
 def expected(shot: IdealShot) -> Image:
-    """What the ideal camera would give without noise, (H, W, C) [DN, with pedestal]."""
+    """Image of the ideal camera without noise, (H, W, C) [DN, with pedestal]."""
     return seen(shot, ()) + shot.camera.black_dn
 
 
@@ -87,7 +87,7 @@ def _frame(
 
 
 def _sensor(seed: int, name: str) -> np.random.Generator:
-    """What is alike in all frames of one sensor, drawn anew and the same each time."""
+    """Generator of one sensor's fixed pattern: anew and the same each time."""
     return np.random.default_rng([seed, zlib.crc32(name.encode())])
 
 

@@ -1,4 +1,4 @@
-"""What is wrong with a camera: effects, each acting at one point of image formation."""
+"""Faults of a camera: effects, each acting at one point of image formation."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class InjectedEffect:
         return 1.0
 
     def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
-        """Where, in the ideal image, light comes from that arrives at (x, y); `row` is read there."""
+        """Origin, in the ideal image, of the light that arrives at (x, y); `row` is read there."""
         return x, y
 
     def light(self, light: Image, shot: IdealShot, pad: int) -> Image:

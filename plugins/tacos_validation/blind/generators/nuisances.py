@@ -1,4 +1,4 @@
-"""What is off in real captures beside any effect: poses, lamps, focus, references and files.
+"""Disturbances of real captures beside any effect: poses, lamps, focus, references and files.
 
 A simulation is never given the pose, the lamp and the focus of a capture exactly. Here the real side is off,
 and what the simulator expects is left as it believes.
@@ -33,7 +33,7 @@ UNEVEN = 0.04
 
 @dataclass(frozen=True)
 class Nuisance:
-    """What may be off, at most; each capture draws its own.
+    """Largest disturbances; each capture draws its own.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def without_pedestal(camera: IdealCamera, nuisance: Nuisance) -> IdealCamera:
 
 
 def pipeline_of(nuisance: Nuisance, rng: np.random.Generator) -> tuple[InjectedEffect, ...]:
-    """What the camera does to all of its pictures."""
+    """Effects of the camera on all of its pictures."""
     if not nuisance.pipeline:
         return ()
     return (
@@ -127,7 +127,7 @@ def pipeline_of(nuisance: Nuisance, rng: np.random.Generator) -> tuple[InjectedE
 def drawn(
     nuisance: Nuisance, acquisitions: Sequence[Acquisition], rng: np.random.Generator
 ) -> dict[str, CaptureNuisance]:
-    """What is off in each capture, by its id; captures of one group are off alike."""
+    """Disturbances of each capture, by its id; captures of one group share them."""
     by_group: dict[str, CaptureNuisance] = {}
     found = {}
     for acquisition in acquisitions:

@@ -1,4 +1,4 @@
-"""How large an effect is: its amplitude made such that it lies a given number of noise floors off.
+"""Amplitude of an effect that lies a given number of noise floors off.
 
 The measure is the generator's own and simpler than the solver's. From each capture few families of numbers
 are taken: means and noise in tiles, gradients, correlation of neighbours, rows, codes, blocks, colours. Their
@@ -117,7 +117,7 @@ class NoiseFloor:
 
     @property
     def measures(self) -> bool:
-        """Whether any capture but boards is there to measure by."""
+        """True if any capture but boards is there to measure by."""
         return bool(self._clean)
 
     def severity(self, effects: Sequence[InjectedEffect]) -> float:

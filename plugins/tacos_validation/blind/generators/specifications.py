@@ -1,4 +1,4 @@
-"""What a case is to be, and how it is made."""
+"""Specification of a case, and the way it is made."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def make(spec: CaseSpecification, folder: Path) -> dict[str, Any]:
 
 
 def _known(spec: CaseSpecification, nuisance: Nuisance) -> dict[str, list[str]]:
-    """What may come first and what may stand beside it; without effects, either or nothing."""
+    """Causes that may come first and that may stand beside it; without effects, either or nothing."""
     accept, beside = [*spec.effects, *nuisance.effects], list(nuisance.may_be_called)
     if accept:
         return {"accept": accept, "also": beside, "expect_verdict": ["explained", "partly_explained"]}

@@ -56,7 +56,7 @@ class OtherCamera(SingleAmplitudeEffect):
 
 @lru_cache(maxsize=64)
 def blackbody_response(kelvin: float) -> tuple[float, float, float]:
-    """What the camera's red, green and blue make of a black body, up to a factor."""
+    """Camera's red, green and blue of a black body, up to a factor."""
     colour, filters = _colour(), _sensitivities("Nikon 5100 (NPL)")
     spectrum = colour.sd_blackbody(kelvin, filters.shape).values
     red, green, blue = (filters.values * spectrum[:, None]).sum(axis=0).tolist()

@@ -21,7 +21,7 @@ class RealFringes(SingleAmplitudeEffect):
     lens: ClassVar[str] = "Canon EF 100-400mm f/4.5-5.6L IS USM"
 
     def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
-        """Where the database says that the colour comes from, between its samples at whole pixels."""
+        """Source positions of the colour by the database, between its samples at whole pixels."""
         size = shot.camera.width_px, shot.camera.height_px
         moved = _fringes(self.lens, *size)[:, :, channel]
         at = [ndimage.map_coordinates(moved[..., i], (y, x), order=1, mode="nearest") for i in (0, 1)]
@@ -116,7 +116,7 @@ class OpenCvFocalLength(SingleAmplitudeEffect):
     order: ClassVar[int] = 2
 
     def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
-        """What the real matrix sees, in pixels of the believed one."""
+        """Source pixels by the real matrix, in those of the believed one."""
         believed = _matrix(shot.camera)
         real = believed * np.array([[self._scale, 1, 1], [1, self._scale, 1], [1, 1, 1]])
         return _moved(x, y, lambda places: cv2.undistortPoints(places, real, None, P=believed))

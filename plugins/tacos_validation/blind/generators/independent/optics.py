@@ -69,7 +69,7 @@ class RealLens(SingleAmplitudeEffect):
     )
 
     def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
-        """Where the database says that pixels of a corrected image lie, backwards."""
+        """Source pixels of a corrected image by the database, backwards."""
         import lensfunpy  # type: ignore[import-untyped, import-not-found, unused-ignore]
 
         lenses = [
