@@ -27,3 +27,6 @@ class RendererBase:
     averages_exposure: bool = False
     """True where its settings make light an average over the exposure time. Recipes that control the
     exposure refuse such a renderer: light is rendered before the time is known."""
+    draws_lenses: bool = False
+    """True where it draws every `Lens` by itself. To others the framework hands pinholes alone, and puts
+    images through other lenses together from theirs."""

@@ -8,6 +8,8 @@
 ``draws``           what is drawn and remembered along an episode, frame by frame
 ``arrays``          from light or expected samples to the values of a file, on arrays
 ``controlled``      the loop from a frame to the exposure of the next
+``lenses``          any lens from pinhole pictures: how renderers are called
+``lens_faces``      the sides of a cube, and how an image is put together from them
 ``views``           effects on the light of rendered views, truth moved along
 ``image_formation`` all of it for captures and frames, as a study calls it
 ==================  ========================================================================================
@@ -24,6 +26,7 @@ from tacos_framework.formation.chain import ActingEffect, EffectChain
 from tacos_framework.formation.draws import EpisodeDraws
 from tacos_framework.formation.image_formation import ImageFormation
 from tacos_framework.formation.image_units import in_image_units
+from tacos_framework.formation.lenses import captured
 from tacos_framework.formation.placed import PlacedControl, PlacedEffect, PlacedSensor
 
 __all__ = [
@@ -35,6 +38,7 @@ __all__ = [
     "PlacedEffect",
     "PlacedSensor",
     "SensorAt",
+    "captured",
     "form_files",
     "in_image_units",
 ]

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from tacos_framework.cache import LRUCache, content_key
 from tacos_framework.contracts import EpisodeStore, TaskBase, optional
-from tacos_framework.formation import EpisodeDraws, ImageFormation
+from tacos_framework.formation import EpisodeDraws, ImageFormation, captured
 from tacos_framework.graph import Node
 from tacos_framework.plan import Plan
 from tacos_framework.randomness import generator
@@ -129,7 +130,8 @@ class EvaluationContext:
             wanted["rng"] = draws.rng(first_frame, node.name)
         if "memory" in asked:
             wanted["memory"] = draws.memory()
-        made = getattr(component, node.signature.verb)(**inputs, **wanted)
+        verb = partial(getattr(component, node.signature.verb), **inputs, **wanted)
+        made = captured(component, self.rig, verb) if node.kind == "renderer" and "rig" in wanted else verb()
         checked_output(self.plan.nodes[node.name].origin, made)
         return self.formation.light(made, draws) if node.kind == "renderer" else made
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from tacos_framework import Capture, Exposure, FrameBatch, Plugins, Rig, Settings, Use, setting
-from tacos_framework.formation import EpisodeDraws, ImageFormation, PlacedSensor
+from tacos_framework.formation import EpisodeDraws, ImageFormation, PlacedSensor, captured
 from tacos_plugins.building import build, episode_of
 from tacos_plugins.noise_calibration.frame_files import FrameStack, stack_of
 
@@ -49,8 +50,7 @@ def capture_of(bench: NoiseBench, rig: Rig, exposure: Exposure, plugins: Plugins
     scene = build(bench.scene, "scene", plugins)
     episode = episode_of(scene, rng=np.random.default_rng(0), illumination_lux=bench.illumination_lux)
     renderer = build(bench.renderer, "renderer", plugins)
-    captured: Capture = renderer.capture(episode[:1], rig=rig, exposure=exposure)
-    return captured
+    return captured(renderer, rig, partial(renderer.capture, episode[:1], exposure=exposure))
 
 
 def take_frames(

@@ -31,7 +31,7 @@ class AnalyticRenderer:
     Geometry and units are those of `renderer.moderngl`. Surfaces are Lambertian and light casts no shadows;
     indirect light is `World.indirect_lux` where the world has it, and the light of its surroundings
     otherwise. There is no anti-aliasing and no motion blur. The cost is pixels times triangles: meant for low
-    resolutions and small worlds.
+    resolutions and small worlds. It casts the rays of any lens.
 
     References
     ----------
@@ -42,6 +42,8 @@ class AnalyticRenderer:
         """Settings of `renderer.analytic`."""
 
         near_m: float = setting(0.05, help="Surfaces nearer than this are not seen.", unit="m", gt=0)
+
+    draws_lenses = True
 
     def __init__(self, config: Config):
         self._config = config
@@ -66,6 +68,7 @@ class AnalyticRenderer:
             triangle, distance, weights = found
             seen = triangle >= 0
             colour = np.tile(episode.world.ambient_cd_m2, (len(rays), 1))
+            colour[np.isnan(rays[:, 0])] = 0  # outside of the image circle
             colour[seen] = surfaces.luminance_cd_m2(triangle[seen], weights[seen])
             luminance[frame] = colour.reshape(luminance.shape[1:])
             depth[frame] = distance.reshape(depth.shape[1:])

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import Capture, Episode, Exposure, FrameBatch, Rig, Scores
-from tacos_framework.formation import EpisodeDraws
+from tacos_framework import Episode, Exposure, FrameBatch, Rig, Scores
+from tacos_framework.formation import EpisodeDraws, captured
 from tacos_plugins.noise_calibration.bench import expose
 
 
@@ -69,7 +70,8 @@ def take(
     samples: list[FrameBatch] = []
     on_target, luminance = np.zeros(places, np.int64), 0.0
     for place in range(places):
-        capture: Capture = renderer.capture(episode[place : place + 1], rig=rig, exposure=exposures[0])
+        here = episode[place : place + 1]
+        capture = captured(renderer, rig, partial(renderer.capture, here, exposure=exposures[0]))
         view = capture.views[0]
         target = view.object_id[0] > 0
         on_target[place] = np.count_nonzero(target)

@@ -25,7 +25,14 @@ from tacos_framework import (
 )
 from tacos_framework import Capture as Rendered
 from tacos_framework.camera import image_velocity
-from tacos_framework.formation import EpisodeDraws, ImageFormation, PlacedEffect, PlacedSensor, SensorAt
+from tacos_framework.formation import (
+    EpisodeDraws,
+    ImageFormation,
+    PlacedEffect,
+    PlacedSensor,
+    SensorAt,
+    captured,
+)
 from tacos_gap.captures import Board, Noise, RealCapture
 from tacos_gap.simulation.bench.light import dimmed, patches_of, repeated, velocity_of, without_world
 from tacos_gap.simulation.bench.settings import BenchSettings, BenchShot
@@ -189,10 +196,16 @@ class CaptureBench:
             raise UserError(
                 Fault(shot.id, f"{use.use} gives {len(episode)} frames", f"at least {frames}, as asked")
             )
-        offered = {"rig": self._rig, "exposure": self._exposure(shot)}
-        wanted = {name: value for name, value in offered.items() if name in _asked_for_by(renderer)}
-        rendered: Rendered = renderer.capture(episode[:frames], **wanted)
-        return rendered
+        asked, exposure = _asked_for_by(renderer), self._exposure(shot)
+
+        def take(*, rig: Rig) -> Rendered:
+            wanted = {
+                name: value for name, value in {"rig": rig, "exposure": exposure}.items() if name in asked
+            }
+            rendered: Rendered = renderer.capture(episode[:frames], **wanted)
+            return rendered
+
+        return captured(renderer, self._rig, take)
 
     def _context(self, shot: BenchShot, expected: Expected) -> ImageContext:
         view = expected.light.views[0]

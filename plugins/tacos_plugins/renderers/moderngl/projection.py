@@ -33,6 +33,11 @@ def projection_matrix(camera: Camera, near_m: float, far_m: float) -> NDArray[np
     """
     if not 0 < near_m < far_m:
         raise ValueError(f"depth range must rise from above 0, not {near_m} .. {far_m} m")
+    if not camera.lens.is_pinhole:
+        raise ValueError(
+            f"OpenGL draws pinholes, not a {camera.lens.projection} lens: call the renderer by "
+            f"tacos_framework.formation.captured"
+        )
     cx, cy = camera.centre_px
     width, height, f = camera.width_px, camera.height_px, camera.focal_length_px
     # The image spans -0.5 .. size - 0.5, so ndc = 2 (pixel + 0.5) / size - 1.
