@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tacos_framework import DONE, Fault, UserError
+from tacos_framework import DONE, UserError
 
 if TYPE_CHECKING:
     from tacos_gap.captures import CaptureFolder, RealCapture
@@ -78,6 +79,9 @@ def _add_import(actions: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     photographs.add_argument(
         "--board", metavar="COLUMNSxROWS", help="inner corners of the chessboard, e.g. 9x6"
     )
+    photographs.add_argument(
+        "--ask", action="store_true", help="ask about each guess, where there is a terminal to answer in"
+    )
 
 
 def captures(arguments: argparse.Namespace) -> int:
@@ -104,7 +108,9 @@ def _guide(arguments: argparse.Namespace) -> int:
 
 
 def _import(arguments: argparse.Namespace) -> int:
-    from tacos_gap.photographs.camera import Given
+    from functools import partial
+
+    from tacos_gap.photographs.given import Given, asked, corners_of
     from tacos_gap.photographs.importing import import_photographs
     from tacos_gap.photographs.summary import summary
 
@@ -114,23 +120,15 @@ def _import(arguments: argparse.Namespace) -> int:
         black_level_dn=arguments.black_level_dn,
         bit_depth=arguments.bit_depth,
         cfa=arguments.cfa,
-        inner_corners=_corners(arguments.board),
+        inner_corners=arguments.board and corners_of(arguments.board),
         square_mm=arguments.square_mm,
     )
-    print("\n".join(summary(import_photographs(arguments.photos, arguments.out, given))))
+    answered = partial(asked, ask=input, tell=print) if arguments.ask and sys.stdin.isatty() else None
+    if arguments.ask and answered is None:
+        print("--ask: standard input is no terminal, so nothing is asked and the guesses stand.\n")
+    imported = import_photographs(arguments.photos, arguments.out, given, answered=answered)
+    print("\n".join(summary(imported)))
     return DONE
-
-
-def _corners(text: str | None) -> tuple[int, int] | None:
-    """The two numbers of ``9x6``."""
-    if text is None:
-        return None
-    first, _, second = text.lower().partition("x")
-    if not (first.isdecimal() and second.isdecimal() and min(int(first), int(second)) >= 3):
-        raise UserError(
-            Fault("--board", f"{text!r} is no board", "9x6: inner corners along rows and columns, 3 at least")
-        )
-    return int(first), int(second)
 
 
 def _simulate(arguments: argparse.Namespace) -> int:

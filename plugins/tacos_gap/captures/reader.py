@@ -23,6 +23,9 @@ from tacos_gap.captures.stated_noise import StatedNoise
 from tacos_gap.captures.targets.expectation import with_own_expectations
 from tacos_gap.captures.time_order import in_time_order, time_doubts
 
+_ASSUMED_MS = 30.0
+"""Stands for an exposure time that is not stated [ms]."""
+
 
 def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFolder:
     """Read ``captures.yaml`` and every file it names.
@@ -169,7 +172,7 @@ class _Reader:
     def _context(self, i: int, entry: CaptureEntry, shape: tuple[int, int]) -> ImageContext:
         camera = self.entry.camera
         return ImageContext(
-            exposure_s=(entry.exposure_ms or 30.0) * 1e-3,
+            exposure_s=(entry.exposure_ms or _ASSUMED_MS) * 1e-3,
             gain_db=entry.gain_db,
             f_number=camera.f_number,
             black_level_dn=camera.black_level_dn,
@@ -190,8 +193,13 @@ class _Reader:
 
     def _check_needs(self, i: int, entry: CaptureEntry) -> None:
         fault = self.files.fault
-        if entry.kind in ("dark", "bracket") and entry.exposure_ms is None:
-            fault(("captures", i), f"{entry.id!r}, a {entry.kind}, has no exposure_ms", "exposure_ms: 10")
+        if entry.kind == "bracket" and entry.exposure_ms is None:
+            fault(("captures", i), f"{entry.id!r}, a bracket, has no exposure_ms", "exposure_ms: 10")
+        if entry.kind == "dark" and entry.exposure_ms is None:
+            self.limitations.append(
+                f"{entry.id}: it does not say its exposure time. {_ASSUMED_MS:g} ms is assumed, so a rate of "
+                f"dark current has no scale; write exposure_ms."
+            )
         if entry.kind == "board" and entry.board is None:
             fault(
                 ("captures", i),

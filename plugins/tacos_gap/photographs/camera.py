@@ -15,6 +15,9 @@ import numpy as np
 
 from tacos_framework import Fault, UserError
 from tacos_gap.captures.alignment import FEWEST_UNUSED, low_bits_unused, shifted_left
+from tacos_gap.photographs.boards import BoardView
+from tacos_gap.photographs.facts import OF_NAME
+from tacos_gap.photographs.given import Given, Guess
 from tacos_gap.photographs.picture import Picture
 
 USUAL_PIXEL_UM = 3.0
@@ -31,53 +34,6 @@ _LEVELS_AGREE = 0.005
 """Share of full scale within which a black level and darks agree: pedestals lie at 6 %."""
 
 
-POSSIBLE = {
-    "pixel_um": (0.1, 1000.0, "um"),
-    "focal_length_mm": (0.1, 10_000.0, "mm"),
-    "black_level_dn": (0.0, 65_535.0, "DN"),
-    "bit_depth": (1, 16, "bits"),
-    "square_mm": (0.01, 10_000.0, "mm"),
-}
-"""Least and largest number of what may be given, with its unit."""
-
-
-@dataclass(frozen=True)
-class Given:
-    """What the photographer says of camera and board; None leaves it to the files.
-
-    Parameters
-    ----------
-    pixel_um, focal_length_mm, black_level_dn, bit_depth, cfa
-        As in ``captures.yaml``.
-    inner_corners
-        Of the chessboard, along its rows and columns.
-    square_mm
-        Side of its squares [mm].
-
-    Raises
-    ------
-    UserError
-        When a number cannot be that of a camera or of a board; all of them together.
-    """
-
-    pixel_um: float | None = None
-    focal_length_mm: float | None = None
-    black_level_dn: float | None = None
-    bit_depth: int | None = None
-    cfa: str | None = None
-    inner_corners: tuple[int, int] | None = None
-    square_mm: float | None = None
-
-    def __post_init__(self) -> None:
-        faults = [
-            Fault(f"--{name.replace('_', '-')}", f"is {value:g}", f"{least:g} to {most:g} {unit}".rstrip())
-            for name, (least, most, unit) in POSSIBLE.items()
-            if (value := getattr(self, name)) is not None and not least <= value <= most
-        ]
-        if faults:
-            raise UserError(faults)
-
-
 @dataclass(frozen=True)
 class CameraFound:
     """The entry ``camera`` of a folder.
@@ -91,6 +47,7 @@ class CameraFound:
     entry: dict[str, Any]
     source: dict[str, str]
     doubts: tuple[str, ...]
+    guesses: tuple[Guess, ...]
 
 
 def camera_of(pictures: Sequence[Picture], given: Given, focal_px: float | None) -> CameraFound:
@@ -120,8 +77,9 @@ def camera_of(pictures: Sequence[Picture], given: Given, focal_px: float | None)
     _settle_black(camera, pictures, given)
     camera.entry["channels"] = channels
     camera.settle("cfa", (given.cfa, _GIVEN), (_usual(p.facts.cfa for p in pictures), _RAW))
-    doubts = (*camera.doubts, *_doubts(pictures, channels, camera.entry))
-    return CameraFound(camera.entry, camera.source, doubts)
+    doubts = (*camera.doubts, *_doubts(pictures, camera.entry))
+    guesses = (*camera.guesses, *_guessed_filters(pictures, camera.entry))
+    return CameraFound(camera.entry, camera.source, doubts, guesses)
 
 
 class _Answers:
@@ -131,13 +89,14 @@ class _Answers:
         self.entry = known
         self.source: dict[str, str] = {}
         self.doubts: list[str] = []
+        self.guesses: list[Guess] = []
 
     def settle(self, key: str, *answers: tuple[Any, str], guess: Any = None, unsure: str = "") -> None:
         """Take the first answer there is, each with where it is from; else guess, and say so."""
         found = next((each for each in answers if each[0] is not None), None)
         if found is None and guess is not None:
             found = guess, _GUESS
-            self.doubts.append(unsure)
+            self.guesses.append(Guess(unsure, key, f"{guess:g}"))
         if found is not None:
             self.entry[key], self.source[key] = found
 
@@ -150,8 +109,8 @@ def _settle_lens(camera: _Answers, pictures: Sequence[Picture], given: Given, fo
         (given.pixel_um, _GIVEN),
         (_usual(f.pixel_um for f in facts), _EXIF),
         guess=USUAL_PIXEL_UM,
-        unsure=f"Nobody says how large a pixel is: {USUAL_PIXEL_UM:g} um is a guess that only lengths in "
-        f"micrometres hang on (--pixel-um).",
+        unsure=f"The pixels are taken to be {USUAL_PIXEL_UM:g} um; other cameras have 1 to 10. Only lengths "
+        f"in micrometres depend on it (--pixel-um).",
     )
     pixel_um, focal_mm = camera.entry["pixel_um"], _usual(f.focal_length_mm for f in facts)
     camera.settle(
@@ -161,7 +120,7 @@ def _settle_lens(camera: _Answers, pictures: Sequence[Picture], given: Given, fo
         (focal_px and round(focal_px * pixel_um / 1e3, 4), "the views of the board"),
         (focal_mm, _EXIF),
         guess=round(camera.entry["width_px"] * pixel_um / 1e3, 4),
-        unsure="Nobody says the focal length: a guess of 53 degrees across; boards will call it wrong "
+        unsure="The focal length is taken for that of a view of 53 degrees across; boards replace it "
         "(--focal-length-mm).",
     )
     if given.focal_length_mm is None:  # a file or a guess says where boards begin, and is nobody's belief
@@ -200,7 +159,8 @@ def _settle_black(camera: _Answers, pictures: Sequence[Picture], given: Given) -
         (dark_dn, "the middle value of the darks"),
         (raw_dn, _RAW),
         guess=0.0,
-        unsure="No dark picture tells the black level: 0 is a guess. Take one with the cap on.",
+        unsure="The black level is taken to be 0, as in files made for a display; no dark picture tells it. "
+        "Take one with the cap on (--black-level-dn).",
     )
     black_dn, full_scale_dn = camera.entry["black_level_dn"], 2 ** camera.entry["bit_depth"]
     if dark_dn is not None and abs(dark_dn - black_dn) > max(2.0, _LEVELS_AGREE * full_scale_dn):
@@ -225,7 +185,16 @@ def _dark_level(pictures: Sequence[Picture]) -> float | None:
     return float(round(shortest.middle_dn, 1))
 
 
-def _doubts(pictures: Sequence[Picture], channels: int, entry: dict[str, Any]) -> Iterator[str]:
+def _guessed_filters(pictures: Sequence[Picture], entry: dict[str, Any]) -> Iterator[Guess]:
+    if entry["channels"] == 1 and "cfa" not in entry and any(picture.lattice for picture in pictures):
+        yield Guess(
+            "Grey files are taken for those of a camera without colour filters, although neighbouring pixels "
+            "differ as behind them: if this is a mosaic, say which (--cfa GRBG).",
+            "cfa",
+        )
+
+
+def _doubts(pictures: Sequence[Picture], entry: dict[str, Any]) -> Iterator[str]:
     facts = [picture.facts for picture in pictures]
     if len(cameras := sorted({f.camera for f in facts if f.camera})) > 1:
         yield f"The pictures are of several cameras: {', '.join(cameras)}. Import one camera at a time."
@@ -242,16 +211,10 @@ def _doubts(pictures: Sequence[Picture], channels: int, entry: dict[str, Any]) -
         yield "The focal length changed between pictures: a zoom has to stay where it is."
     if len({f.f_number for f in facts if f.f_number}) > 1:
         yield "The aperture changed between pictures: it is best left alone."
-    if by_name := next((picture for picture in pictures if picture.facts.time_from_name), None):
-        yield (
-            f"Exposure times were read from the names of files ({by_name.name}: "
-            f"{by_name.facts.exposure_ms:g} ms)."
-        )
-    if channels == 1 and entry.get("cfa") is None and any(picture.lattice for picture in pictures):
-        yield (
-            "Neighbouring pixels differ as behind colour filters: if this is a mosaic, say which "
-            "(--cfa GRBG)."
-        )
+    for source in dict.fromkeys(f.time_from for f in facts if f.time_from):
+        first = next(picture for picture in pictures if picture.facts.time_from == source)
+        whence = "the names of files" if source == OF_NAME else source
+        yield f"Exposure times were read from {whence} ({first.name}: {first.facts.exposure_ms:g} ms)."
     unused = low_bits_unused(reduce(or_, (picture.used_bits for picture in pictures)))
     if unused >= FEWEST_UNUSED and entry["bit_depth"] - unused >= 8:
         yield shifted_left(entry["bit_depth"] - unused, unused)
@@ -270,27 +233,22 @@ def _doubts(pictures: Sequence[Picture], channels: int, entry: dict[str, Any]) -
         yield "The pictures are large: a diagnosis will take its time, and four frames of each are plenty."
 
 
-def focal_px_of_views(
-    corners_px: Sequence[np.ndarray], inner_corners: tuple[int, int], size_px: tuple[int, int]
-) -> float | None:
+def focal_px_of_views(views: Sequence[BoardView], size_px: tuple[int, int]) -> float | None:
     """Focal length by tilted views of a board, a lens that bends by k1 and k2 beside it (Zhang 2000) [px].
 
     None with fewer than three views, and where they do not agree to a pixel.
     """
-    if len(corners_px) < _FEWEST_VIEWS:
+    if len(views) < _FEWEST_VIEWS:
         return None
-    columns, rows = inner_corners
-    grid = np.zeros((columns * rows, 3), np.float32)
-    grid[:, :2] = np.mgrid[:columns, :rows].T.reshape(-1, 2)
     flags = cv2.CALIB_FIX_ASPECT_RATIO | cv2.CALIB_ZERO_TANGENT_DIST | cv2.CALIB_FIX_K3
     flags |= cv2.CALIB_FIX_PRINCIPAL_POINT
     guess = np.array(
         [[size_px[0], 0, (size_px[0] - 1) / 2], [0, size_px[0], (size_px[1] - 1) / 2], [0, 0, 1.0]]
     )
-    views = [np.asarray(view, np.float32).reshape(-1, 1, 2) for view in corners_px]
+    points, corners = zip(*((view.points, view.corners_px.reshape(-1, 1, 2)) for view in views), strict=True)
     try:
         rms, matrix, *_ = cv2.calibrateCamera(
-            [grid] * len(views), views, size_px, guess, None, flags=flags | cv2.CALIB_USE_INTRINSIC_GUESS
+            points, corners, size_px, guess, None, flags=flags | cv2.CALIB_USE_INTRINSIC_GUESS
         )
     except cv2.error:  # views that are all alike
         return None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 import struct
 import warnings
 from dataclasses import dataclass
@@ -17,27 +16,14 @@ from tacos_files.camera_images import RAW_SUFFIXES, opened_raw
 from tacos_files.image_headers import UNREADABLE
 from tacos_framework import Fault, UserError
 from tacos_framework.files import read_bytes
+from tacos_gap.photographs.names import kind_in_name, settings_in_name
 
+OF_NAME = "its name"
 LOSSY_SUFFIXES = frozenset({".jpg", ".jpeg", ".webp", ".heic"})
 
 _FULL_FRAME_DIAGONAL_MM = math.hypot(36, 24)
 _MM_PER_UNIT = {2: 25.4, 3: 10.0, 4: 1.0, 5: 1e-3}
 """Millimetres of EXIF's FocalPlaneResolutionUnit: inch, cm, mm, um."""
-
-_TIME_IN_NAME = re.compile(
-    r"(?<![a-z0-9.,])(\d+(?:[.,]\d+)?)\s?(us|\u00b5s|\u03bcs|ms|msec|s|sec)(?![a-z0-9])", re.IGNORECASE
-)
-"""A decimal point or comma; the micro sign, or the Greek letter."""
-
-_FRACTION_IN_NAME = re.compile(
-    r"(?<![a-z0-9.,-])(?<!\d[ _])(\d+)([-_ ])(\d+(?:[.,]\d+)?)\s?(s|sec)?(?![a-z0-9])", re.IGNORECASE
-)
-"""1-250s, 1_250s, 1-250: a slash cannot stand in a name."""
-
-_LEAST_BARE_DENOMINATOR, _LEAST_LOOSE_DENOMINATOR = 25, 60
-"""Less after ``1-`` may number files; less than the other, after ``1_``, may be whole seconds [1]."""
-
-_MS = {"us": 1e-3, "\u00b5s": 1e-3, "\u03bcs": 1e-3, "ms": 1.0, "msec": 1.0, "s": 1e3, "sec": 1e3}
 
 _MAKE, _MODEL, _SOFTWARE, _ORIENTATION, _EXIF = 0x010F, 0x0110, 0x0131, 0x0112, 0x8769
 _EXPOSURE, _F_NUMBER, _ISO, _TAKEN, _SUBSECOND = 0x829A, 0x829D, 0x8827, 0x9003, 0x9291
@@ -68,8 +54,12 @@ class Facts:
         Whether the file is compressed with loss; whether it holds the sensor's own samples.
     black_level_dn, white_level_dn, cfa
         Of a RAW file.
-    time_from_name
-        Whether the exposure time was read from the name of the file.
+    gain_db
+        Gain, as the name of the file says it [dB].
+    time_from
+        What says the exposure time, if not the camera: the name of the file, or a table.
+    kind
+        Dark or flat, as the name of the file or a table says.
     """
 
     camera: str = ""
@@ -86,7 +76,9 @@ class Facts:
     black_level_dn: float | None = None
     white_level_dn: float | None = None
     cfa: str | None = None
-    time_from_name: bool = False
+    gain_db: float | None = None
+    time_from: str = ""
+    kind: str | None = None
 
 
 def read_facts(path: Path) -> Facts:
@@ -100,32 +92,12 @@ def read_facts(path: Path) -> Facts:
     said, size_px = _of_raw(path) if path.suffix.lower() in RAW_SUFFIXES else ({}, None)
     if path.suffix.lower() != ".npy":
         said = {**_of_exif(path, size_px), **said}
-    if said.get("exposure_ms") is None and (time_ms := time_in_name_ms(path.stem)) is not None:
-        said |= {"exposure_ms": time_ms, "time_from_name": True}
+    by_name = settings_in_name(path.stem)
+    if said.get("exposure_ms") is None and "exposure_ms" in by_name:
+        said["time_from"] = OF_NAME
+    said = by_name | {key: value for key, value in said.items() if value is not None}
+    said["kind"] = kind_in_name(path)
     return Facts(**said, lossy=path.suffix.lower() in LOSSY_SUFFIXES)
-
-
-def time_in_name_ms(stem: str) -> float | None:
-    """The shutter time that the name of a file says; None where it says none, or may mean two [ms].
-
-    Examples
-    --------
-    >>> time_in_name_ms("dark_20ms"), time_in_name_ms("shelf_1-250s_0"), time_in_name_ms("dark_1_30s")
-    (20.0, 4.0, None)
-    """
-    for found in _FRACTION_IN_NAME.finditer(stem):
-        above, joint, below, unit = found.groups()
-        parts = float(below.replace(",", "."))
-        if unit is None and (joint != "-" or parts < _LEAST_BARE_DENOMINATOR or above != "1"):
-            continue  # numbers of files
-        if above != "1" and joint != "-":
-            continue  # the number of a file, then a time
-        if above != "1" or not parts or (joint != "-" and parts < _LEAST_LOOSE_DENOMINATOR):
-            return None
-        return 1e3 / parts
-    if (whole := _TIME_IN_NAME.search(stem.replace("_", " "))) is None:
-        return None
-    return float(whole[1].replace(",", ".")) * _MS[whole[2].lower()]
 
 
 def _of_exif(path: Path, raw_size_px: tuple[int, int] | None) -> dict[str, Any]:

@@ -9,15 +9,22 @@ from typing import Any
 
 from tacos_framework import to_yaml
 from tacos_gap.photographs.camera import CameraFound
+from tacos_gap.photographs.given import Guess
 
 _HEADER = """\
 Written by `tacos captures import`. Correct here what is wrong, then: tacos captures check {folder}
 Nothing is simulated: each capture expects of its target what the pictures themselves tell of it.
 """
 
+_GUESSED = {"kinds": "kind {}", "exposures_ms": "exposure_ms is left open"}
+
 
 def folder_text(
-    folder: str, camera: CameraFound, captures: Sequence[Mapping[str, Any]], doubts: Sequence[str]
+    folder: str,
+    camera: CameraFound,
+    captures: Sequence[Mapping[str, Any]],
+    guesses: Sequence[Guess],
+    doubts: Sequence[str],
 ) -> str:
     """Text that `read_captures` reads.
 
@@ -29,19 +36,30 @@ def folder_text(
         The entry `camera`, each value with where it is from.
     captures
         The entries of `captures`.
+    guesses
+        What nothing says; a comment each, also above the captures they are about.
     doubts
         Sentences on what is unsure; they become comments.
     """
     lines = [_comment(line) for line in _HEADER.format(folder=shlex.quote(folder)).splitlines()]
-    if doubts:
-        lines += ["#", "# Unsure of:"]
-        lines += [_comment(doubt, "- ", "  ") for doubt in doubts]
+    for title, texts in (("Guessed:", [guess.text for guess in guesses]), ("Unsure of:", doubts)):
+        if texts:
+            lines += ["#", f"# {title}", *(_comment(text, "- ", "  ") for text in texts)]
     lines += ["tacos_captures: 1", "camera:"]
     for key, value in camera.entry.items():
         line = "  " + to_yaml({key: value}).strip()
         lines.append(f"{line.ljust(36)} # {camera.source[key]}" if key in camera.source else line)
     lines.append("noise: unknown".ljust(36) + "   # estimated from repeated frames")
-    return "\n".join(lines) + "\n" + to_yaml({"captures": list(captures)}, flow_style=None)
+    lines.append("captures:")
+    for entry in captures:
+        files = {name.rpartition("/")[2] for name in entry["real"]}
+        lines += [
+            _comment(f"a guess: {_GUESSED[guess.key].format(guess.assumed)}")
+            for guess in guesses
+            if guess.key in _GUESSED and files & set(guess.pictures)
+        ]
+        lines.append(to_yaml([entry], flow_style=None).rstrip())
+    return "\n".join(lines) + "\n"
 
 
 def _comment(text: str, first: str = "", rest: str = "") -> str:

@@ -64,7 +64,7 @@ def _belongs(stack: Stack, picture: Picture) -> bool:
 
 def _settings(picture: Picture) -> tuple[object, ...]:
     facts = picture.facts
-    return facts.exposure_ms, facts.iso, facts.f_number, facts.orientation, picture.size_px
+    return facts.exposure_ms, facts.iso, facts.gain_db, facts.f_number, facts.orientation, picture.size_px
 
 
 def _with_brackets(stacks: Sequence[Stack]) -> list[Stack]:

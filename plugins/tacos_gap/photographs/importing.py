@@ -13,16 +13,19 @@ from typing import Any
 
 from tacos_framework import Fault, UserError
 from tacos_gap.captures.missing import FILE
-from tacos_gap.photographs.boards import USUAL_SQUARE_MM, BoardFound, board_of
-from tacos_gap.photographs.camera import CameraFound, Given, camera_of, focal_px_of_views
+from tacos_gap.photographs.boards import USUAL_SQUARE_MM, BoardFound, boards_of
+from tacos_gap.photographs.camera import CameraFound, camera_of, focal_px_of_views
+from tacos_gap.photographs.caps_and_walls import with_kinds_weighed
+from tacos_gap.photographs.exposure_times import with_times
 from tacos_gap.photographs.folder_text import folder_text
+from tacos_gap.photographs.given import Given, Guess
 from tacos_gap.photographs.grouping import Stack, stacks_of
 from tacos_gap.photographs.looking import looked_at, of_one_form
 from tacos_gap.photographs.picture import Picture
-from tacos_gap.photographs.sources import pictures_in
+from tacos_gap.photographs.sources import passed_over, pictures_in
+from tacos_gap.photographs.tables import Table, tables_among
 from tacos_gap.report.words import first_of
 
-_UNKNOWN_MS = 30.0
 _ORDER = ("dark", "flat", "bracket", "edge", "board", "chart", "sequence", "scene")
 
 
@@ -38,13 +41,16 @@ class Imported:
         The entries of its captures.
     camera
         The entry `camera`.
+    guesses
+        What it took for true although nothing says it.
     doubts
-        What it was unsure of, in sentences.
+        What else it was unsure of, in sentences.
     """
 
     path: Path
     entries: tuple[dict[str, Any], ...]
     camera: CameraFound
+    guesses: tuple[Guess, ...]
     doubts: tuple[str, ...]
 
 
@@ -53,6 +59,7 @@ def import_photographs(
     out: Path,
     given: Given | None = None,
     notify: Callable[[str], None] | None = None,
+    answered: Callable[[Sequence[Guess], Given], Given] | None = None,
 ) -> Imported:
     """Sort photographs, copy them into a new folder, and write its ``captures.yaml``.
 
@@ -63,9 +70,11 @@ def import_photographs(
     out
         The folder, new or empty.
     given
-        What the photographer says of camera and board.
+        What the photographer says of camera, board and pictures.
     notify
         Told which file is looked at.
+    answered
+        Adds the photographer's answers to what was given; None leaves all guesses as they are.
 
     Raises
     ------
@@ -73,42 +82,73 @@ def import_photographs(
         When there are no pictures, none can be read, or `out` is not empty or cannot be written.
     """
     given = given or Given()
-    paths, doubts = pictures_in(sources)
+    paths, others, doubts = pictures_in(sources)
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         what = "is not empty" if out.is_dir() else "is a file"
         raise UserError(Fault(str(out), what, "a folder that is new or empty", "Name another --out."))
+    tables = tables_among(others, paths)
+    doubts += passed_over([path for path in others if path not in {table.path for table in tables}])
     pictures, unreadable = looked_at(paths, given, notify or (lambda text: None))
     pictures, of_other_forms = of_one_form(pictures)
     doubts += [*unreadable, *of_other_forms]
-    boards = [picture for picture in pictures if picture.shown.kind == "board"]
-    board = board_of(boards, given.inner_corners)
-    lost = [picture for picture in boards if board is None or picture not in board.corners_px]
-    doubts += [f"{picture.name} is left out: {_not_seen(picture, board, given)}." for picture in lost]
-    pictures = [picture for picture in pictures if picture not in lost]
-    if not pictures:
-        raise UserError(Fault(str(sources[0]), "no picture is left to import", "", " ".join(doubts)))
-    seen = tuple(board.corners_px.values()) if board else ()
-    focal_px = focal_px_of_views(seen, board.inner_corners, pictures[0].size_px) if board else None
-    camera = camera_of(pictures, given, focal_px)
-    stacks = sorted(stacks_of(pictures), key=lambda stack: _ORDER.index(stack.kind))
-    doubts += [*camera.doubts, *_doubts(stacks, board, given)]
-    path = out / FILE
+    found = _sorted(pictures, tables, given)
+    if answered is not None and (more := answered(found.guesses, given)) != given:
+        given, found = more, _sorted(pictures, tables, more)
+    if not found.stacks:
+        raise UserError(Fault(str(sources[0]), "no picture is left to import", "", " ".join(found.doubts)))
+    path, doubts = out / FILE, [*doubts, *found.doubts]
     try:
-        entries = tuple(_in_time_order(list(_entries(stacks, out, board, given))))
-        path.write_text(folder_text(out.name, camera, entries, doubts), encoding="utf-8")
+        entries = tuple(_in_time_order(list(_entries(found, out, given))))
+        path.write_text(folder_text(out.name, found.camera, entries, found.guesses, doubts), encoding="utf-8")
     except OSError as error:
         what = f"the captures cannot be written: {error.strerror or error}"
         expected = "a folder that may be written in, on a disk with room"
         raise UserError(Fault(str(out), what, expected, "Name another --out.")) from error
-    return Imported(path, entries, camera, tuple(doubts))
+    return Imported(path, entries, found.camera, found.guesses, tuple(doubts))
 
 
-def _not_seen(picture: Picture, board: BoardFound | None, given: Given) -> str:
-    """Why a chessboard is of no use."""
+@dataclass(frozen=True, eq=False)
+class _Sorted:
+    """Pictures sorted into captures."""
+
+    stacks: tuple[Stack, ...]
+    boards: tuple[BoardFound, ...]
+    camera: CameraFound
+    guesses: tuple[Guess, ...]
+    doubts: tuple[str, ...]
+
+    def board_of(self, picture: Picture) -> BoardFound | None:
+        """The board that a picture shows."""
+        return next((board for board in self.boards if picture in board.views), None)
+
+
+def _sorted(looked_at: Sequence[Picture], tables: Sequence[Table], given: Given) -> _Sorted:
+    """Pictures as captures: names, tables, EXIF and what they show weighed together."""
+    pictures, doubts, guesses = with_times(looked_at, tables, given)
+    pictures, of_kinds = with_kinds_weighed(pictures, given)
+    with_boards = [picture for picture in pictures if picture.shown.kind == "board"]
+    boards = boards_of(with_boards, given.inner_corners)
+    lost = [picture for picture in with_boards if all(picture not in board.views for board in boards)]
+    doubts += [f"{picture.name} is left out: {_not_seen(picture, boards, given)}." for picture in lost]
+    kept = [picture for picture in pictures if picture not in lost]
+    views = [view for board in boards for view in board.views.values()]
+    camera = camera_of(kept or pictures, given, focal_px_of_views(views, pictures[0].size_px))
+    stacks = tuple(sorted(stacks_of(kept), key=lambda stack: _ORDER.index(stack.kind)))
+    all_guesses = (*of_kinds, *guesses, *_guesses(stacks, boards, given), *camera.guesses)
+    return _Sorted(stacks, boards, camera, all_guesses, (*doubts, *camera.doubts, *_doubts(stacks)))
+
+
+def _not_seen(picture: Picture, boards: Sequence[BoardFound], given: Given) -> str:
+    """Why a board is of no use."""
     counted = picture.shown.corners
-    wanted = given.inner_corners or (board.inner_corners if board else None)
+    wanted = given.inner_corners or next((b.inner_corners for b in boards if b.layout is None), None)
+    if picture.shown.markers is not None:
+        return (
+            f"it shows markers (DICT_{picture.shown.markers.family}), and not between the squares of a "
+            f"ChArUco board that can be made out"
+        )
     if wanted and counted and sorted(wanted) != sorted(counted):
-        whose = "--board" if given.inner_corners else "most pictures"
+        whose = "--board" if given.inner_corners else "as other pictures show"
         return (
             f"of its chessboard {counted[0]} x {counted[1]} inner corners are seen, not {wanted[0]} x "
             f"{wanted[1]} ({whose})"
@@ -116,40 +156,67 @@ def _not_seen(picture: Picture, board: BoardFound | None, given: Given) -> str:
     return "its chessboard is not seen whole"
 
 
-def _doubts(stacks: Sequence[Stack], board: BoardFound | None, given: Given) -> Iterator[str]:
-    doubted: dict[str, list[str]] = {}
+def _guesses(stacks: Sequence[Stack], boards: Sequence[BoardFound], given: Given) -> Iterator[Guess]:
+    doubted: dict[tuple[str, str], list[str]] = {}
     for stack in stacks:
         for picture in stack.pictures:
-            if picture.shown.doubt and picture.shown.kind == stack.kind:
-                doubted.setdefault(picture.shown.doubt, []).append(picture.name)
-    yield from (f"{first_of(names)}: {doubt}" for doubt, names in doubted.items())
+            if picture.shown.doubt and picture.shown.kind == stack.kind and picture.name not in given.kinds:
+                doubted.setdefault((picture.shown.doubt, stack.kind), []).append(picture.name)
+    for (doubt, kind), names in doubted.items():
+        yield Guess(f"{first_of(names)}: {doubt}", "kinds", kind, tuple(names))
+    for stack in stacks:
+        if stack.kind == "dark" and stack.first.facts.exposure_ms is None:
+            names = [picture.name for picture in stack.pictures]
+            yield Guess(
+                f"The exposure time of the cap is left open ({first_of(names)}); dark current needs it. "
+                f"Write exposure_ms, or put it into the names (dark_10ms.png).",
+                "exposures_ms",
+                "",
+                tuple(names),
+            )
+    for board in boards:
+        columns, rows = board.inner_corners
+        if board.layout is not None:
+            yield Guess(
+                f"The board is taken for a ChArUco of {columns + 1} x {rows + 1} squares with markers of "
+                f"{board.layout.marker_share:g} of a square ({board.layout.dictionary}), by where its "
+                f"markers stand; correct `board` if rows are hidden in all pictures."
+            )
+        elif given.inner_corners is None:
+            yield Guess(
+                f"The chessboard is taken to have {columns} x {rows} inner corners, the fullest that several "
+                f"pictures show; else part of it is hidden (--board {columns}x{rows}).",
+                "inner_corners",
+                f"{columns}x{rows}",
+            )
+    if boards and given.square_mm is None:
+        yield Guess(
+            f"The squares of the board are taken to be {USUAL_SQUARE_MM:g} mm (--square-mm). Distances "
+            f"depend on it, the lens does not.",
+            "square_mm",
+            f"{USUAL_SQUARE_MM:g}",
+        )
+
+
+def _doubts(stacks: Sequence[Stack]) -> Iterator[str]:
     pictures = [picture for stack in stacks for picture in stack.pictures]
     untimed = [picture.name for picture in pictures if picture.facts.exposure_ms is None]
     if untimed:
         yield (
-            f"{_untimed_words(untimed)}: darks need it, brackets are found by it. Write exposure_ms, or put "
-            f"it into the names (dark_10ms.png)."
-        )
-    if board is not None and given.inner_corners is None:
-        columns, rows = board.inner_corners
-        yield f"The chessboard seems to have {columns} x {rows} inner corners (--board {columns}x{rows})."
-    if board is not None and given.square_mm is None:
-        yield (
-            f"The squares of the chessboard are taken to be {USUAL_SQUARE_MM:g} mm (--square-mm); distances "
-            f"hang on it, the lens does not."
+            f"{_untimed_words(untimed)}: dark current needs it, brackets are found by it. Write exposure_ms, "
+            f"put it into the names (dark_10ms.png), or a table beside them (times.csv: file, exposure_ms)."
         )
     scenes = [picture.name for stack in stacks if stack.kind == "scene" for picture in stack.pictures]
     if scenes:
         yield (
-            f"Neither cap, wall, bracket, edge, chessboard nor ColorChecker: {first_of(scenes)}. Nothing is "
+            f"Neither cap, wall, bracket, edge, board nor ColorChecker: {first_of(scenes)}. Nothing is "
             f"known of what is to be seen there, which is left unused until `simulated` says it."
         )
 
 
-def _entries(
-    stacks: Sequence[Stack], out: Path, board: BoardFound | None, given: Given
-) -> Iterator[dict[str, Any]]:
+def _entries(found: _Sorted, out: Path, given: Given) -> Iterator[dict[str, Any]]:
     """Entries of captures, their files copied."""
+    stacks = found.stacks
     isos = [p.facts.iso for stack in stacks for p in stack.pictures if p.facts.iso]
     lowest = min(isos, default=None)
     times = {id(stack): _seconds(stack.first.facts.taken) for stack in stacks}
@@ -160,17 +227,18 @@ def _entries(
         name = f"{stack.kind}_{count[stack.kind]}"
         facts = stack.first.facts
         entry: dict[str, Any] = {"id": name, "kind": stack.kind, "real": _copied(stack, out, name)}
-        if facts.exposure_ms is not None or stack.kind in ("dark", "bracket"):
-            entry["exposure_ms"] = round(facts.exposure_ms or _UNKNOWN_MS, 6)
-        if facts.iso and lowest and facts.iso != lowest:
+        if facts.exposure_ms is not None:
+            entry["exposure_ms"] = round(facts.exposure_ms, 6)
+        if facts.gain_db is not None:
+            entry["gain_db"] = facts.gain_db
+        elif facts.iso and lowest and facts.iso != lowest:
             entry["gain_db"] = round(20 * math.log10(facts.iso / lowest), 2)
         if (taken := times[id(stack)]) is not None and len(known) == len(times):
             entry["taken_s"] = round(taken - min(known), 3)
         if stack.group:
             entry["group"] = stack.group
-        if stack.kind == "board" and board is not None:
-            square_mm = given.square_mm or USUAL_SQUARE_MM
-            entry["board"] = {"inner_corners": list(board.inner_corners), "square_mm": square_mm}
+        if (board := found.board_of(stack.first)) is not None:
+            entry["board"] = board.entry(given.square_mm or USUAL_SQUARE_MM)
         yield entry
 
 

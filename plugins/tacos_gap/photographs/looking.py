@@ -9,7 +9,7 @@ from pathlib import Path
 
 from tacos_framework import Fault, UserError
 from tacos_framework.files import read_bytes
-from tacos_gap.photographs.camera import Given
+from tacos_gap.photographs.given import Given
 from tacos_gap.photographs.left_out import left_out, why_unreadable
 from tacos_gap.photographs.picture import Picture, bits_of, look_at, printable_name
 

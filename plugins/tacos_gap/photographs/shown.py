@@ -13,6 +13,7 @@ from tacos_gap.captures.targets.chart import find_chart
 from tacos_gap.captures.targets.slanted_edge import find_edge
 from tacos_gap.captures.targets.two_tone import darkness, find_print, paper_level
 from tacos_gap.captures.targets.wall import shading
+from tacos_gap.photographs.charuco import Markers, find_markers
 
 DARK_SHARE = 0.1
 """Level over full scale below which a picture without structure shows the cap: pedestals lie at 6 %."""
@@ -62,6 +63,8 @@ class Shown:
         Energy of the finest detail over that of the picture: falls when the focus moves.
     corners
         Inner corners (columns, rows) that OpenCV counted on a chessboard; more or fewer where it is cut off.
+    markers
+        Those of a ChArUco board.
     doubt
         What is uncertain of it, to stand behind its name; empty if nothing is.
     """
@@ -71,6 +74,7 @@ class Shown:
     level: float
     sharpness: float
     corners: tuple[int, int] | None = None
+    markers: Markers | None = None
     doubt: str = ""
 
 
@@ -92,12 +96,15 @@ def shown_in(image: NDArray[np.floating], black_dn: float, white_dn: float) -> S
     seen = Shown("scene", thumbnail, level, _sharpness(grey))
     if _is_dark(grey):
         return replace(seen, kind="dark")
-    if (unevenness := _unevenness(grey)) < _EVEN:
+    noise = _noise_left(grey) / max(level, 1e-6) if level < DARK_SHARE else 0.0
+    if (unevenness := _unevenness(grey)) < _EVEN + noise:
         doubt = "half of it is clipped." if np.mean(signal >= 0.99) > 0.5 else ""
         return replace(seen, kind="flat", doubt=doubt)
     eight = _eight_bit(grey)
     if (corners := _board(eight)) is not None:
         return replace(seen, kind="board", corners=corners)
+    if (markers := find_markers(eight)) is not None:
+        return replace(seen, kind="board", markers=markers)
     if signal.shape[-1] == 3 and find_chart(signal) is not None:
         return replace(seen, kind="chart")
     if find_edge(grey) is not None:
@@ -114,7 +121,8 @@ def repeated(first: Shown, second: Shown) -> bool:
     """Whether two pictures differ by their noise alone: same view, same light, same focus."""
     even = first.kind == second.kind and first.kind in ("dark", "flat")
     a, b = (_coarse(each.thumbnail) if even else each.thumbnail for each in (first, second))
-    if np.percentile(np.abs(a - b), 95) >= _STEADY * max(float(a.mean()), DARK_SHARE):
+    steady = _STEADY * max(float(a.mean()), DARK_SHARE)
+    if np.percentile(np.abs(a - b), 95) >= max(steady, 2.3 * _noise(a - b)):
         return False
     if even:
         return first.kind == "dark" or same_shading(first, second)
@@ -148,8 +156,9 @@ def same_shading(first: Shown, second: Shown, *, through_a_curve: bool = False) 
 
 def same_framing(first: Shown, second: Shown) -> bool:
     """Whether two pictures show the same view, however bright: their ranks agree, and nothing has moved."""
-    a, b = (_ranks(each.thumbnail) for each in (first, second))
-    return a.shape == b.shape and float(np.corrcoef(a, b)[0, 1]) > 0.9
+    dim = min(first.level, second.level) < DARK_SHARE
+    a, b = (_ranks(_averaged(each.thumbnail) if dim else each.thumbnail) for each in (first, second))
+    return float(np.corrcoef(a, b)[0, 1]) > 0.9
 
 
 def _reduced(grey: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -167,6 +176,11 @@ def _thumbnail(grey: NDArray[np.float32]) -> NDArray[np.float32]:
 def _coarse(thumbnail: NDArray[np.float32]) -> NDArray[np.float32]:
     """A thumbnail of an even picture, which shows all there is but noise in a few large parts."""
     return np.asarray(cv2.resize(thumbnail, COARSE[::-1], interpolation=cv2.INTER_AREA))
+
+
+def _averaged(thumbnail: NDArray[np.float32]) -> NDArray[np.float32]:
+    """A thumbnail at a quarter of its size: what remains of a view in the noise of too little light."""
+    return np.asarray(cv2.resize(thumbnail, None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA))
 
 
 def _ranks(thumbnail: NDArray[np.float32]) -> NDArray[np.float64]:
@@ -188,6 +202,17 @@ def _unevenness(grey: NDArray[np.float32]) -> float:
     lit = smooth > 0.1 * float(np.percentile(smooth, 99))
     departure = np.abs(fine - smooth)[lit] / smooth[lit]
     return float(np.percentile(departure, 99)) + 1 - float(lit.mean())
+
+
+def _noise_left(grey: NDArray[np.float32]) -> float:
+    """What noise leaves of the departure that `_unevenness` takes the 99th percentile of."""
+    return 2.6 * _noise(grey) / (2 * math.sqrt(math.pi) * 2.0)
+
+
+def _noise(image: NDArray[np.float32]) -> float:
+    """Standard deviation of the noise in an image, its structure left out (Immerkaer 1996)."""
+    kernel = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32) / 6
+    return 1.4826 * float(np.median(np.abs(cv2.filter2D(image, cv2.CV_32F, kernel))))
 
 
 def _sharpness(grey: NDArray[np.float32]) -> float:

@@ -16,8 +16,8 @@ _NAMED = 3
 """Files that are named of those passed over."""
 
 
-def pictures_in(sources: Sequence[Path]) -> tuple[list[Path], list[str]]:
-    """Files of pictures, each once, and sentences on what was passed over.
+def pictures_in(sources: Sequence[Path]) -> tuple[list[Path], list[Path], list[str]]:
+    """Files of pictures, each once; other files; sentences on pictures that were passed over.
 
     Parameters
     ----------
@@ -52,9 +52,12 @@ def pictures_in(sources: Sequence[Path]) -> tuple[list[Path], list[str]]:
         said.append(
             f"{those} beside a RAW file of the same name {'is' if beside == 1 else 'are'} passed over."
         )
-    if others := [path for path in there if path not in set(found)]:
-        said.append(f"Passed over, as no pictures that can be read: {_listed(others)}.")
-    return kept, said
+    return kept, [path for path in there if path not in set(found)], said
+
+
+def passed_over(others: Sequence[Path]) -> list[str]:
+    """The sentence on files that are neither pictures nor tables, if there are any."""
+    return [f"Passed over, as no pictures that can be read: {_listed(others)}."] if others else []
 
 
 def _files_of(source: Path) -> Iterator[Path]:

@@ -30,12 +30,16 @@ def summary(imported: Imported) -> Iterator[str]:
             if _is_number(value)
             else f"  {key} {value}"
         )
-    if imported.doubts:
-        yield ""
-        yield "Unsure of"
-        for doubt in imported.doubts:
+    guesses = [guess.text for guess in imported.guesses]
+    for title, texts in (
+        ("Guessed (--ask asks, captures.yaml can be corrected)", guesses),
+        ("Unsure of", imported.doubts),
+    ):
+        if texts:
+            yield from ("", title)
+        for text in texts:
             yield from textwrap.wrap(
-                doubt, 100, initial_indent="  - ", subsequent_indent="    ", break_on_hyphens=False
+                text, 100, initial_indent="  - ", subsequent_indent="    ", break_on_hyphens=False
             )
     yield ""
     check, diagnose = shlex.quote(str(folder)), shlex.quote(f"captures={folder}")

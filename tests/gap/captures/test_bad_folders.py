@@ -86,7 +86,7 @@ def test_all_faults_come_at_once_each_with_line_and_column(tmp_path):
         "    real: missing.png\n"
         "    simulated: 100\n"
         "  - id: b\n"
-        "    kind: dark\n"
+        "    kind: bracket\n"
         "    real: wide.png\n"
         "  - id: a\n"
         "    kind: board\n"
@@ -101,7 +101,7 @@ def test_all_faults_come_at_once_each_with_line_and_column(tmp_path):
     found = faults(tmp_path)
     for expected in [
         r"captures.yaml:6:5: there is no file 'missing.png'",
-        r"captures.yaml:8:5: 'b', a dark, has no exposure_ms",
+        r"captures.yaml:8:5: 'b', a bracket, has no exposure_ms",
         r"captures.yaml:10:5: wide.png has 12 x 20 pixels\n  expected: 20 x 12",
         r"captures.yaml:11:5: 'c' does not describe its board",
         r"captures.yaml:13:5: no file matches 'nothing\*.png'",

@@ -13,7 +13,7 @@ from PIL import Image
 from tacos_framework.cli import tacos_main
 from tacos_framework.errors import UserError
 from tacos_gap.captures import read_captures
-from tacos_gap.photographs.camera import Given
+from tacos_gap.photographs.given import Given
 from tacos_gap.photographs.importing import import_photographs
 from tests.gap.captures.dng import LONG, dng
 

@@ -12,8 +12,8 @@ from PIL import Image
 from tacos_framework.cli import tacos_main
 from tacos_framework.errors import UserError
 from tacos_gap.captures import read_captures
-from tacos_gap.photographs.camera import Given
 from tacos_gap.photographs.facts import read_facts
+from tacos_gap.photographs.given import Given
 from tacos_gap.photographs.importing import import_photographs
 from tests.gap.captures.targets.test_chart import photographed
 from tests.gap.captures.targets.test_slanted_edge import edge
@@ -88,7 +88,7 @@ def test_the_commands_import_guide_and_say_their_doubts(photos, tmp_path, capsys
     assert tacos_main(["captures", "import", str(photos), "--out", str(out), "--board", "7x5"]) == 0
     printed = capsys.readouterr().out
     assert "8 captures (2 dark, 1 flat, 2 bracket, 1 edge, 1 board, 1 chart)" in printed
-    assert "The squares of the chessboard are taken to be 25 mm" in printed
+    assert "The squares of the board are taken to be 25 mm" in printed
     assert "# EXIF" in (out / "captures.yaml").read_text()
     assert tacos_main(["captures", "import", str(photos), "--out", str(out)]) == 2
     assert "is not empty" in capsys.readouterr().err
@@ -117,7 +117,7 @@ def test_exposure_times_in_names_are_read(tmp_path, name, exposure_ms):
     Image.fromarray(np.zeros((4, 4), np.uint8)).save(tmp_path / name)
     facts = read_facts(tmp_path / name)
     assert facts.exposure_ms == exposure_ms
-    assert facts.time_from_name == (exposure_ms is not None)
+    assert bool(facts.time_from) == (exposure_ms is not None)
 
 
 def test_what_is_no_photograph_is_refused_in_a_sentence(tmp_path):
@@ -179,7 +179,7 @@ def test_blurred_print_is_taken_for_edges_and_that_is_said(tmp_path):
     save(tmp_path / "page.png", np.repeat(print_photographed(blurred)[..., None], 3, axis=-1))
     found = import_photographs([tmp_path], tmp_path / "out")
     assert [entry["kind"] for entry in found.entries] == ["edge"]
-    assert any("page.png: taken for print, blurred." in text for text in found.doubts)
+    assert any("page.png: taken for print, blurred." in guess.text for guess in found.guesses)
     folder = read_captures(found.path.parent)
     assert folder.captures[0].own_edges
 

@@ -41,13 +41,27 @@ def _picture(tmp_path, name, columns, rows, square_px=30):
 def test_a_part_of_a_board_is_not_taken_for_it(tmp_path):
     """Most pictures show a part first; all corners are found in them too."""
     pictures = [
-        SimpleNamespace(path=_picture(tmp_path, name, 9, 6), shown=SimpleNamespace(corners=corners))
+        SimpleNamespace(
+            path=_picture(tmp_path, name, 9, 6), shown=SimpleNamespace(corners=corners, markers=None)
+        )
         for name, corners in (("a", (6, 5)), ("b", (6, 5)), ("c", (9, 6)))
     ]
-    found = boards.board_of([_Hashed(each) for each in pictures], None)
-    assert found is not None
+    (found,) = boards.boards_of([_Hashed(each) for each in pictures], None)
     assert found.inner_corners == (9, 6)
-    assert len(found.corners_px) == 3
+    assert len(found.views) == 3
+
+
+@pytest.mark.parametrize(("whole", "part"), [((9, 6), (6, 5)), ((8, 6), (7, 5)), ((7, 6), (7, 5))])
+def test_a_board_of_which_every_picture_counts_a_part_is_the_usual_one_that_all_show(tmp_path, whole, part):
+    pictures = [
+        SimpleNamespace(
+            path=_picture(tmp_path, name, *whole), shown=SimpleNamespace(corners=part, markers=None)
+        )
+        for name in "abcdefg"
+    ]
+    (found,) = boards.boards_of([_Hashed(each) for each in pictures], None)
+    assert found.inner_corners == whole
+    assert len(found.views) == 7
 
 
 class _Hashed:
