@@ -166,6 +166,10 @@ TASKS = {
         "orb_features:OrbFeatures",
         "ORB features matched over consecutive frames; counts RANSAC inliers.",
     ),
+    "visual-odometry": (
+        "visual_odometry.task:VisualOdometry",
+        "The camera's motion from its images, one camera or a stereo pair, against the known poses.",
+    ),
     "obstacle-visibility": (
         "obstacle_visibility:ObstacleVisibility",
         "Share of thresholds on the path that were seen before they were stepped on, and how early.",

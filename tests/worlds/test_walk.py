@@ -23,7 +23,7 @@ from tacos_worlds.indoor.walk.route import draw_route
 from tacos_worlds.indoor.walk.walks import draw_walks
 from tacos_worlds.kit.walk.motion import MAX_YAW_RATE_DEG_S, Walk, draw_walk
 from tacos_worlds.kit.walk.route import Route
-from tacos_worlds.kit.walk.trip import approaches, joined, spread
+from tacos_worlds.kit.walk.trip import approaches, bursts, joined, spread
 
 Routes = list[tuple[Building, FreeSpace, Route]]
 
@@ -247,16 +247,31 @@ def test_approaches_are_spread_over_the_thresholds(approached: tuple[Building, E
     assert len({crossing.object_id for crossing in episode.crossings}) > len(building.plan.doors) / 2
 
 
+def test_bursts_are_walks_of_their_own_spread_over_one(buildings: list[Building]) -> None:
+    rng = np.random.default_rng(5)
+    walk = next(draw_walks(rng, buildings[0], speed_m_s=1.0, camera_height_m=(1.5, 1.5)))
+    taken = list(bursts(rng, iter([walk]), frames=11, burst_frames=3, frame_rate_hz=10.0))
+    episode = joined(sample_episode(1).world, taken)
+    assert np.bincount(episode.walk).tolist() == [3, 3, 3, 2]
+    assert np.diff(episode.time_s[episode.walk == 1]) == pytest.approx([0.1, 0.1])
+    assert np.diff([each.start_s for each in taken]) == pytest.approx((walk.duration_s - 0.2) / 4)
+    assert taken[-1].end_s <= walk.duration_s
+    for number, each in enumerate(taken):
+        first = episode.trajectory.at(episode.time_s[episode.walk == number][:1])
+        at = np.interp(each.start_s, walk.time_s, walk.world_from_agent[:, 0, 3])
+        assert first[0, 0, 3] == pytest.approx(at, abs=1e-6)
+
+
 def test_sampling_leaves_the_world_as_it_is() -> None:
     taken = [
         IndoorScene(IndoorScene.Config(size_m=(10, 5), frames=8, sampling=sampling)).episode(
             rng=np.random.default_rng(5), illumination_lux=20.0
         )
-        for sampling in ("walk", "approaches")
+        for sampling in ("walk", "bursts", "approaches")
     ]
-    assert [len(episode) for episode in taken] == [8, 8]
-    assert taken[0].world.key == taken[1].world.key
-    assert [crossing.walk for crossing in taken[1].crossings] == [0, 1]
+    assert [len(episode) for episode in taken] == [8, 8, 8]
+    assert len({episode.world.key for episode in taken}) == 1
+    assert [crossing.walk for crossing in taken[2].crossings] == [0, 1]
 
 
 @given(count=st.integers(1, 9), passed=st.integers(1, 40), seed=st.integers(0, 99))

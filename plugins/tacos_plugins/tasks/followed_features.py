@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera import LUMINANCE_WEIGHTS
+from tacos_plugins.tasks.consensus import seeded
 
 MATCHES_NEEDED = 8
 """Fewer matches fix no fundamental matrix with one to spare: seven define it, the eighth tests it."""
@@ -110,18 +111,11 @@ def follow(
         Probability that RANSAC meets a sample free of outliers [1].
     seed
         Of the samples that RANSAC draws.
-
-    References
-    ----------
-    Raguram et al. 2013, "USAC: a universal framework for random sample consensus", as OpenCV implements it.
     """
     matches = match(first, second)
     inliers = 0
     if len(matches) >= MATCHES_NEEDED:
-        consensus = cv2.UsacParams()
-        consensus.threshold = threshold_px
-        consensus.confidence = confidence
-        consensus.randomGeneratorState = seed
+        consensus = seeded(threshold_px=threshold_px, confidence=confidence, seed=seed)
         fundamental, mask = cv2.findFundamentalMat(
             first.points_px[[match.queryIdx for match in matches]],
             second.points_px[[match.trainIdx for match in matches]],

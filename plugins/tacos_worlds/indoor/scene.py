@@ -30,10 +30,12 @@ class IndoorScene:
     classes that suits their use, and ceiling lights and lamps scaled to the scenario's illuminance. The agent
     walks a tour of all rooms; a second walk starts where the frames outlast the first.
 
-    Under ``sampling: walk`` frames are taken at a steady rate, as a recording has them. Under ``approaches``
-    they are taken only before thresholds, at the times ``before_step_s``: few frames then see several
-    thresholds, each from an eye height of its own. Every approach is a walk to those who follow things
-    from frame to frame, and its threshold is the one obstacle that counts in it.
+    Under ``sampling: walk`` frames are taken at a steady rate, as a recording has them. Under ``bursts`` a
+    few follow one another, and the next few are taken far from there: as many frames see more of the world.
+    Under ``approaches`` they are taken only before thresholds, at the times ``before_step_s``: few frames
+    then see several thresholds, each from an eye height of its own. Every burst and every approach is a walk
+    to those who follow things from frame to frame; the threshold of an approach is the one obstacle that
+    counts in it.
 
     One generator state gives one world and one trip, always.
 
@@ -58,12 +60,19 @@ class IndoorScene:
             5.0, help="Least edge of a room, to the middle of inner walls.", unit="m", ge=3.5
         )
         frames: int = setting(500, help="Frames taken in all.", ge=1, le=1_000_000, also=("steps",))
-        sampling: Literal["walk", "approaches"] = setting(
-            "walk", help="Where frames are taken: all along the walk, or only before thresholds."
+        sampling: Literal["walk", "bursts", "approaches"] = setting(
+            "walk",
+            help="Where frames are taken: all along the walk, in short bursts spread over it, or only before "
+            "thresholds.",
         )
         frame_rate_hz: float = setting(
-            5.0, help="Frames per second of walking, under sampling: walk.", unit="Hz", gt=0, also=("fps",)
+            5.0,
+            help="Frames per second of walking, under sampling: walk and within a burst.",
+            unit="Hz",
+            gt=0,
+            also=("fps",),
         )
+        burst_frames: int = setting(2, help="Frames of a burst, under sampling: bursts.", ge=2)
         before_step_s: tuple[Seconds, ...] = setting(
             (1.6, 1.4, 0.8, 0.6),
             help="Times before a threshold is stepped on, falling, under sampling: approaches. "
@@ -167,12 +176,15 @@ class IndoorScene:
     def _stretches(self, rng: np.random.Generator, building: Building) -> Iterator[Stretch]:
         """Where frames are taken."""
         from tacos_worlds.indoor.walk.walks import draw_walks
-        from tacos_worlds.kit.walk.trip import along_walks, approaches
+        from tacos_worlds.kit.walk.trip import along_walks, approaches, bursts
 
         config = self.config
-        if config.sampling == "walk":
+        if config.sampling != "approaches":
             walks = draw_walks(rng, building, config.speed_m_s, config.camera_height_m)
-            return along_walks(rng, walks, frames=config.frames, frame_rate_hz=config.frame_rate_hz)
+            frames, rate_hz = config.frames, config.frame_rate_hz
+            if config.sampling == "walk":
+                return along_walks(rng, walks, frames=frames, frame_rate_hz=rate_hz)
+            return bursts(rng, walks, frames=frames, burst_frames=config.burst_frames, frame_rate_hz=rate_hz)
         walks = draw_walks(rng, building, config.speed_m_s, camera_height_m=(0.0, 0.0))
         return approaches(
             rng,

@@ -102,6 +102,25 @@ def _start(rng: np.random.Generator, walk: Walk, needed_s: float) -> float:
     return float(np.clip(at_s - rng.uniform(0.4, 0.95) * needed_s, 0.0, spare_s))
 
 
+def bursts(
+    rng: np.random.Generator, walks: Iterator[Walk], *, frames: int, burst_frames: int, frame_rate_hz: float
+) -> Iterator[Stretch]:
+    """Exactly `frames` frames in bursts at a steady rate, as far apart on one walk as that allows.
+
+    Where the frames are no multiple of `burst_frames`, the last burst is shorter.
+    """
+    walk = next(walks)
+    count = -(-frames // burst_frames)
+    length_s = (burst_frames - 1) / frame_rate_hz
+    starts_s = (np.arange(count) + rng.uniform()) * max(walk.duration_s - length_s, 0.0) / count
+    left = frames
+    for start_s in starts_s.tolist():
+        taken = min(burst_frames, left)
+        frames_s = np.arange(taken) / frame_rate_hz
+        yield Stretch(walk, start_s, start_s + length_s, frames_s, ())
+        left -= taken
+
+
 def approaches(
     rng: np.random.Generator,
     walks: Iterator[Walk],
