@@ -189,4 +189,6 @@ def _scene(arguments: argparse.Namespace, plugins: Plugins) -> Path:
     sets = read_sets(arguments.sets)
     setup = set_up(arguments.what, arguments.camera, sets=sets, plugins=plugins)
     rendering = collected(setup.along_the_trip(arguments.frames, seed=arguments.seed), setup.camera.title)
+    for doubt in rendering.doubts:
+        print(f"note: {doubt}")
     return write_rendering(arguments.out, rendering, arguments.what, setup.camera.assumed)

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from tacos_files.images import decode_samples
 from tacos_framework import Catalog, OffTheShelf
 from tacos_framework.files import made_folder
 from tacos_report.page import (
+    Legend,
     Page,
     PagePicture,
     Paragraph,
@@ -33,7 +36,16 @@ from tacos_view.catalog_sheet import (
 )
 from tacos_view.effect_ladder import EffectLadder
 from tacos_view.floor_plan import floor_plan
-from tacos_view.pictures import Picture, encoded_png, png_uri, reduced, shown_depth, shown_frame, shown_ids
+from tacos_view.pictures import (
+    Picture,
+    class_colours,
+    encoded_png,
+    png_uri,
+    reduced,
+    shown_depth,
+    shown_frame,
+    shown_objects,
+)
 from tacos_view.rendering import Rendering
 
 _ON_PAGE_PX = 640
@@ -86,7 +98,11 @@ def write_rendering(out: Path, rendering: Rendering, what: str, assumed: Sequenc
             pictures = (
                 folder.add(stem, frame, f"{i + 1}, {name}, at {rendering.time_s[i]:.1f} s"),
                 folder.add(f"{stem}_depth", shown_depth(taken.depth_m[i]), "Depth; near is bright."),
-                folder.add(f"{stem}_objects", shown_ids(taken.object_id[i]), "Objects, each in its colour."),
+                folder.add(
+                    f"{stem}_objects",
+                    shown_objects(taken.object_id[i], rendering.world.class_of_object),
+                    "Objects, in shades of the colours of their classes.",
+                ),
             )
             rows.append(SideBySide(pictures))
     notes = (
@@ -97,6 +113,8 @@ def write_rendering(out: Path, rendering: Rendering, what: str, assumed: Sequenc
     world = rendering.world
     if world.remarks:
         notes.append(PageWarnings("The file", world.remarks))
+    if doubts := rendering.doubts:
+        notes.append(PageWarnings("Exposure", doubts))
     if len(world.objects) == 1:
         what_to_do = "nothing in this world is labelled, so tasks about things find none"
         notes.append(PageWarnings("Labels", (what_to_do,)))
@@ -109,7 +127,7 @@ def write_rendering(out: Path, rendering: Rendering, what: str, assumed: Sequenc
             f"classes, {len(world.lights)} lights."
         ),
         sections=(
-            Section("What the camera sees", (_camera_table(rendering), *notes, *rows)),
+            Section("What the camera sees", (_camera_table(rendering), *notes, *_legend(rendering), *rows)),
             Section("Where", (plan,)),
         ),
     )
@@ -127,9 +145,19 @@ def _camera_table(rendering: Rendering) -> Table:
                 f"{camera.pixel_um * camera.binning:g} um",
                 f"{camera.focal_length_mm:.3g} mm",
                 f"{camera.hfov_deg:.1f} x {camera.vfov_deg:.1f} deg",
+                f"{rendering.exposed(name).saturated:.1%}",
+                f"{rendering.exposed(name).dark:.1%}",
             )
         )
-    return Table(("camera", *CAMERA_FACTS), tuple(rows))
+    return Table(("camera", *CAMERA_FACTS, "saturated", "nearly black"), tuple(rows))
+
+
+def _legend(rendering: Rendering) -> Iterator[Legend]:
+    """The colours of the classes that are seen."""
+    seen = np.unique(np.concatenate([np.unique(each.object_id) for each in rendering.cameras.values()]))
+    classes = np.unique(rendering.world.class_of_object[seen])
+    names, colours = rendering.world.class_names, class_colours(len(rendering.world.class_names))
+    yield Legend(tuple((names[i], "rgb({}, {}, {})".format(*colours[i])) for i in classes))
 
 
 def write_ladder(out: Path, ladder: EffectLadder, what: str) -> Path:

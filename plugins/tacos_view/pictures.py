@@ -41,14 +41,26 @@ def shown_depth(depth_m: NDArray[np.floating]) -> Picture:
     return np.where(near[..., None] > 0, coloured, 0).astype(np.uint8)
 
 
-def shown_ids(object_id: NDArray[np.integer]) -> Picture:
-    """Objects in colours of their own; the background is grey."""
-    count = int(object_id.max(initial=0)) + 1
+def class_colours(count: int) -> NDArray[np.uint8]:
+    """(count, 3) sRGB of as many classes; that of the background, the first, is grey."""
     turn = np.arange(count) * (math.sqrt(5) - 1) / 2 % 1  # golden angle: neighbours in number differ in hue
     hues = np.stack([(turn + third / 3) % 1 for third in range(3)], axis=-1)
     colours = (140 + 100 * np.cos(2 * math.pi * hues)).astype(np.uint8)
     colours[0] = 205
-    return np.asarray(colours[object_id])
+    return colours
+
+
+def shown_objects(object_id: NDArray[np.integer], class_of_object: NDArray[np.integer]) -> Picture:
+    """Objects in the colours of their classes, in shades that tell neighbours in number apart.
+
+    Parameters
+    ----------
+    class_of_object
+        (objects,) as `World.class_of_object` has it.
+    """
+    colours = class_colours(int(class_of_object.max(initial=0)) + 1)[class_of_object]
+    shade = np.array([1.0, 0.8, 0.6])[np.arange(len(colours)) % 3]
+    return np.asarray((colours * shade[:, None]).astype(np.uint8)[object_id])
 
 
 def contact_sheet(tiles: Sequence[Picture], columns: int, *, widest_px: int = 1400) -> Picture:

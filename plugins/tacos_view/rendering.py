@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import Camera, FrameBatch, Plugins, Recipe, Trajectory, World
+from tacos_framework.camera import Exposed, exposed
 from tacos_view.cameras import CameraName
 from tacos_view.pictures import contact_sheet, encoded_png, png_uri, shown_depth, shown_frame
 from tacos_view.setup import set_up
@@ -118,6 +119,16 @@ class Rendering:
     def world_from_camera(self) -> NDArray[np.float64]:
         """Poses of the first camera; see `CameraFrames`."""
         return self.first.world_from_camera
+
+    def exposed(self, camera: str) -> Exposed:
+        """How the frames of a camera are exposed."""
+        return exposed(self.cameras[camera].image, self.black_level_dn, self.white_level_dn)
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What to change where frames are over- or underexposed, in a sentence for each camera."""
+        found = ((name, self.exposed(name).doubt) for name in self.cameras)
+        return tuple(f"{name}: {doubt}" for name, doubt in found if doubt)
 
     def __len__(self) -> int:
         return len(self.time_s)

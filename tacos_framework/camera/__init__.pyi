@@ -1,3 +1,6 @@
+from .clipping import Exposed as Exposed
+from .clipping import exposed as exposed
+from .clipping import mean_exposed as mean_exposed
 from .colour import LINEAR_OF_SRGB_BYTE as LINEAR_OF_SRGB_BYTE
 from .colour import LUMINANCE_WEIGHTS as LUMINANCE_WEIGHTS
 from .colour import display_image as display_image

@@ -9,6 +9,7 @@ from typing import Any
 
 def summary(result: Mapping[str, Any], out: Path) -> str:
     """Result of a run in a few lines."""
+    from tacos_framework.camera.clipping import Exposed
     from tacos_framework.store import DESIGNED  # with numpy, which a faulty command does without
 
     if "procedure" in result:
@@ -34,6 +35,9 @@ def summary(result: Mapping[str, Any], out: Path) -> str:
     decision = result.get("decision")
     if isinstance(decision, Mapping) and (sentence := decision.get("sentence")) and not degenerate:
         lines.append(str(sentence))
+    for name, shares in result.get("exposed", {}).items():
+        if doubt := Exposed(**shares).doubt:
+            lines.append(f"Sample frames of {name}: {doubt}.")
     lines.append(f"{result['frames_rendered']} images in {result['seconds']:.0f} s; {result['stopped']}.")
     lines.append(f"Report: {out / 'report.html'}" if (out / "report.html").exists() else f"Results: {out}")
     return "\n".join(lines)

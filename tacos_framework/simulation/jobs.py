@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.cache import content_key
+from tacos_framework.camera.clipping import Exposed, exposed
 from tacos_framework.camera.colour import display_image
 from tacos_framework.contracts import State
 from tacos_framework.simulation.episodes import EpisodeSpec
@@ -121,6 +122,14 @@ class BuildJob:
         log.info("a world was not built ahead: %s", reason)
 
 
+@dataclass(frozen=True, eq=False)
+class SampleFrame:
+    """A frame as an (H, W, C) uint8 picture, and how it is exposed."""
+
+    picture: NDArray[np.uint8]
+    exposed: Exposed
+
+
 @dataclass(frozen=True)
 class SampleJob:
     """Take sample frames with a camera, to look at: encoded for a display, here and not by whoever waits."""
@@ -134,8 +143,8 @@ class SampleJob:
         """Its world."""
         return self.episode.world
 
-    def run(self, simulation: Simulation) -> list[NDArray[np.uint8]]:
-        """For each position in 0..1 along the episode an (H, W, C) frame of the rig's first camera."""
+    def run(self, simulation: Simulation) -> list[SampleFrame]:
+        """For each position in 0..1 along the episode a frame of the rig's first camera."""
         try:
             return [_shown(simulation.sample(self.values, self.episode, position)) for position in self.at]
         except Exception as error:
@@ -143,11 +152,12 @@ class SampleJob:
                 raise
             return self.lost(f"{type(error).__name__}: {error}")
 
-    def lost(self, reason: str) -> list[NDArray[np.uint8]]:
+    def lost(self, reason: str) -> list[SampleFrame]:
         """No pictures."""
         log.warning("no sample frames of %s: %s", dict(self.values), reason)
         return []
 
 
-def _shown(batch: FrameBatch) -> NDArray[np.uint8]:
-    return display_image(batch.images[0][0], batch.black_level_dn, batch.white_level_dn)
+def _shown(batch: FrameBatch) -> SampleFrame:
+    taken = batch.images[0][0], batch.black_level_dn, batch.white_level_dn
+    return SampleFrame(display_image(*taken), exposed(*taken))

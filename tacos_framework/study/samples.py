@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from tacos_framework.camera.clipping import Exposed, mean_exposed
 from tacos_framework.contracts import Executor
 from tacos_framework.simulation import EpisodeSpec, Evaluator, SampleJob
 from tacos_framework.store import Results
@@ -19,7 +20,7 @@ def write_samples(
     executor: Executor,
     evaluate: Evaluator,
     results: Results,
-) -> dict[str, list[str]]:
+) -> tuple[dict[str, list[str]], dict[str, Exposed]]:
     """Write frames of the first camera of each rig; none of a rig that fails.
 
     Parameters
@@ -33,10 +34,13 @@ def write_samples(
 
     Returns
     -------
-    Paths within the folder, by name.
+    Paths within the folder, and how the frames are exposed, by name.
     """
     jobs = [SampleJob(values, episode, SAMPLES_AT) for values in cameras.values()]
     written: dict[str, list[str]] = {}
+    exposed: dict[str, Exposed] = {}
     for name, frames in zip(cameras, executor.map(evaluate, jobs), strict=True):
-        written[name] = [results.write_sample(f"{name}_{i}", frame) for i, frame in enumerate(frames)]
-    return written
+        written[name] = [results.write_sample(f"{name}_{i}", each.picture) for i, each in enumerate(frames)]
+        if frames:
+            exposed[name] = mean_exposed([each.exposed for each in frames])
+    return written, exposed

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain, repeat
 from typing import Any
 
+from tacos_framework.camera.clipping import Exposed
 from tacos_framework.contracts import Executor
 from tacos_framework.environment import describe_environment
 from tacos_framework.plan import Plan
@@ -75,6 +76,7 @@ class Study:
         self._analysis_notes: list[str] = []
         self._scored_again: list[Evaluation] = []
         self._samples: dict[str, list[str]] = {}
+        self._exposed: dict[str, Exposed] = {}
         journal = Journal(results, lambda: self.seconds)
         self._executor = JournaledExecutor(executor, journal)
         keeps_worlds = plugins.offers.episode_store() is not None
@@ -194,7 +196,9 @@ class Study:
         if self.plan.graph.of_kind("sensor"):
             seen = {name: job.values for name, job in jobs.items()}
             episode = self._test.episodes(0, 1)[0]
-            self._samples = write_samples(seen, episode, self._executor, self._evaluate, self.results)
+            self._samples, self._exposed = write_samples(
+                seen, episode, self._executor, self._evaluate, self.results
+            )
 
     def _analyse(self) -> None:
         """Let plugins say what follows from all that was scored."""
@@ -285,8 +289,10 @@ class Study:
                 *outcome.notes(),
                 *(f"The study went on although, since it began, {change}." for change in accepted),
                 *self._analysis_notes,
+                *(f"Sample frames of {n}: {each.doubt}." for n, each in self._exposed.items() if each.doubt),
             ],
             "samples": self._samples,
+            "exposed": {name: each._asdict() for name, each in self._exposed.items()},
             "command": self._command,
         }
         if taken := sorted(set(result) & set(self._analysis)):

@@ -32,3 +32,10 @@ def test_a_study_that_tells_nothing_apart_names_no_camera(tmp_path: Path) -> Non
     said = summary({**RESULT, "degenerate": "All score zero: give more light.", "decision": None}, tmp_path)
     assert said.startswith("All score zero: give more light.")
     assert "Designed" not in said
+
+
+def test_frames_that_are_lost_to_light_are_said(tmp_path: Path) -> None:
+    exposed = {"designed": {"saturated": 0.4, "dark": 0.0}, "flea3": {"saturated": 0.0, "dark": 0.1}}
+    said = summary({**RESULT, "exposed": exposed}, tmp_path)
+    assert "Sample frames of designed: 40% of pixels are saturated: shorten exposure_ms" in said
+    assert "Sample frames of flea3" not in said

@@ -314,3 +314,13 @@ def test_names_by_stamps_are_of_one_length_and_sort_by_time(times_s: list[float]
         assert names == sorted(names)
         assert len(set(map(len, names))) == 1
         assert int(names[0].replace(".", "")[:-9]) > 0
+
+
+def test_overexposed_frames_are_told_and_counted(tmp_path: Path) -> None:
+    bright = {"illumination_lux": 1e5, "exposure_ms": 50.0}
+    setup = set_up(monocular_recipe(scenario=bright), {"focal_length_mm": 0.6}, plugins=plugins_with_boxes())
+    (note,) = export_dataset(setup, tmp_path, "png16", frames=1)
+    assert "of pixels are saturated: shorten exposure_ms" in note
+    about = json.loads((tmp_path / "frames.json").read_text())["cameras"]["camera"]["exposed"]
+    image = read(tmp_path / "camera" / "image" / "000000.png")
+    assert about["saturated"] == (image == 65535).any(axis=-1).mean() > 0.5

@@ -21,6 +21,8 @@ def test_study_finds_the_best_width_and_says_so(toys, tmp_path):
     assert set(result["test"]["designed"]) == {"width.closeness", "width.brightness", "fitness"}
     assert result["test"]["designed"]["fitness"] == result["test"]["designed"]["width.closeness"]
     assert result["stopped"]
+    assert set(result["exposed"]) == set(result["samples"])
+    assert all(0 <= share <= 1 for shares in result["exposed"].values() for share in shares.values())
     written = json.loads((tmp_path / "out" / "result.json").read_text())
     assert written == json.loads(json.dumps(result))
     lines = (tmp_path / "out" / "generations.jsonl").read_text().splitlines()

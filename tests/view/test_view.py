@@ -22,7 +22,7 @@ from tacos_view.catalog_sheet import Outline, arranged, outlines
 from tacos_view.effect_ladder import effect_ladder
 from tacos_view.floor_plan import floor_plan
 from tacos_view.pages import write_ladder, write_rendering
-from tacos_view.pictures import contact_sheet, shown_depth, shown_ids
+from tacos_view.pictures import contact_sheet, shown_depth, shown_objects
 from tacos_view.recipes import study_recipe
 from tests.two_boxes import monocular_recipe, plugins_with_boxes
 
@@ -39,6 +39,9 @@ def test_a_scene_and_its_frames_are_written(tmp_path: Path) -> None:
     }
     text = page.read_text("utf-8")
     assert "2 labelled objects of 2 classes" in text
+    for name in ("background", "chair", "cup"):
+        assert f"</i>{name}</li>" in text
+    assert "dog" not in text
     assert "pitch_deg: the middle of what it may be" in text
     assert "://" not in text.replace("http://www.w3.org", "")
 
@@ -145,9 +148,10 @@ def test_it_says_what_is_wrong(
 def test_pictures_of_depth_and_ids() -> None:
     depth = shown_depth(np.array([[1.0, 2.0, np.inf]]))
     assert depth[0, 0].sum() > depth[0, 1].sum() > depth[0, 2].sum() == 0
-    ids = shown_ids(np.array([[0, 1, 2, 1]]))
-    assert np.array_equal(ids[0, 1], ids[0, 3])
-    assert not np.array_equal(ids[0, 1], ids[0, 2])
+    ids = shown_objects(np.array([[0, 1, 2, 1, 4]]), np.array([0, 1, 2, 1, 1]))[0].astype(float)
+    assert np.array_equal(ids[1], ids[3])
+    assert not np.array_equal(ids[1], ids[2])
+    assert ids[4] / ids[4].max() == pytest.approx(ids[1] / ids[1].max(), abs=0.02)  # a shade of one class
 
 
 def test_a_sheet_keeps_small_pictures_sharp() -> None:

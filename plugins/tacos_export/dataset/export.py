@@ -12,6 +12,7 @@ from tacos_export.camera.description import lens_of
 from tacos_export.conventions import in_file_world, stamp_ns
 from tacos_export.dataset.frame import Dataset, DatasetCamera, DatasetWriter, Encoding
 from tacos_framework import Fault, FrameBatch, UserError, World, __version__, did_you_mean
+from tacos_framework.camera import Exposed, exposed, mean_exposed
 from tacos_framework.files import made_folder
 from tacos_plugins.effects.tone_curve import ToneCurve
 from tacos_view.setup import RenderSetup
@@ -94,6 +95,7 @@ def export_dataset(
         count = index + 1
         if progress:
             progress(count)
+    notes += manifest.doubts
     if count < frames:
         notes.append(f"the trip ends after {count} of {frames} frames")
     writer.close()
@@ -143,10 +145,19 @@ class Manifest:
             "frames": [],
         }
         self._world: World | None = None
+        self._exposed: dict[str, list[Exposed]] = {camera.name: [] for camera in dataset.rig.cameras}
+
+    @property
+    def doubts(self) -> list[str]:
+        """What to change where frames are over- or underexposed, in a sentence for each camera."""
+        means = ((name, mean_exposed(frames)) for name, frames in self._exposed.items() if frames)
+        return [f"{name}: {mean.doubt}" for name, mean in means if mean.doubt]
 
     def add(self, frame: FrameBatch) -> None:
         """Note time and poses of a frame."""
         self._world = frame.episode.world
+        for camera, image in zip(self._exposed.values(), frame.images, strict=True):
+            camera.append(exposed(image, frame.black_level_dn, frame.white_level_dn))
         self._data["frames"].append(
             {
                 "time_s": float(frame.episode.time_s[0]),
@@ -162,5 +173,8 @@ class Manifest:
     def write(self, path: Path) -> None:
         """Write the file."""
         objects = self._world.objects if self._world else ()
+        for name, frames in self._exposed.items():
+            if frames:
+                self._data["cameras"][name] |= {"exposed": mean_exposed(frames)._asdict()}
         listed = [{"name": thing.name, "class": thing.class_name} for thing in objects]
         path.write_text(json.dumps({**self._data, "objects": listed}, indent=1) + "\n", encoding="utf-8")
