@@ -23,7 +23,7 @@ from tacos_gap.inference.closure import closures_of
 from tacos_gap.inference.fit import Fitted
 from tacos_gap.inference.intervals import half_widths
 from tacos_gap.inference.presence import BY_PICTURES, BY_STATISTICS, share_explained
-from tacos_gap.inference.problem import Hypothesis, Problem, robust, without
+from tacos_gap.inference.problem import Hypothesis, Problem, without
 from tacos_gap.inference.unknown import Unexplained
 from tacos_gap.statistics.views import view_of
 
@@ -192,9 +192,7 @@ def _evidence(problem: Problem, best: Fitted, term: HypothesisTerm, attribution:
     gain: dict[str, float] = {}
     size: dict[str, tuple[float, float, int]] = {}
     for label, a, b in zip(problem.labels, rest, best.z, strict=True):
-        gain[label.statistic] = gain.get(label.statistic, 0.0) + float(
-            robust(np.array(a)) ** 2 - robust(np.array(b)) ** 2
-        )
+        gain[label.statistic] = gain.get(label.statistic, 0.0) + float(a**2 - b**2)
         x, y, n = size.get(label.statistic, (0.0, 0.0, 0))
         size[label.statistic] = (x + float(a) ** 2, y + float(b) ** 2, n + 1)
     top = max(gain, key=lambda name: gain[name])

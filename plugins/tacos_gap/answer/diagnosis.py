@@ -33,7 +33,7 @@ from tacos_gap.hypotheses.parameters import HypothesisTerm
 from tacos_gap.inference.closure import Share, closure, resampled_gaps
 from tacos_gap.inference.fit import Fitted
 from tacos_gap.inference.location import locate
-from tacos_gap.inference.problem import Problem, placed_in, robust
+from tacos_gap.inference.problem import Problem, placed_in
 from tacos_gap.inference.unknown import Unexplained, unexplained
 from tacos_gap.nuisances import light_beyond_stated
 from tacos_gap.statistics.unmeasured import is_cut_off, nothing_seen, unmeasured
@@ -122,9 +122,7 @@ def _explained(
     causes = causes_of(problem, attribution, left, held, captures, effects, seed)
     if left.score >= 0.5:  # a little of everything fits what nothing explains
         causes = [c for c in causes if c.shapley >= LEAST_BESIDE_UNKNOWN or c.is_proven]
-    gaps = resampled_gaps(
-        problem, np.stack([robust(problem.null), held.straight]), generator(seed, "closure")
-    )
+    gaps = resampled_gaps(problem, np.stack([problem.null, held.left]), generator(seed, "closure"))
     before, after = gaps[:, 0].tolist()
     closed = Share.of([closure(*each) for each in gaps.T.tolist()])
     places = locate(problem, problem.null)

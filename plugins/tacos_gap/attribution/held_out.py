@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tacos_gap.attribution.result import Attribution
 from tacos_gap.attribution.selection_rule import COMPLEXITY_PENALTY
-from tacos_gap.inference.fit import Fitted, fold_for, move_of_fold, move_without
+from tacos_gap.inference.fit import Fitted, held_parts_for, move_of_fold, move_without, plain_jacobian
 from tacos_gap.inference.problem import Problem, robust, without
 from tacos_gap.inference.screening import columns_on, forms_of
 
@@ -21,15 +21,15 @@ class HeldOut:
 
     Parameters
     ----------
-    straight
-        (K,) robust residuals that are left [noise floor].
+    left
+        (K,) residuals that are left [noise floor].
     chosen
         The effects, by each fold.
     unseen
         Effects that one fold does not show: it was given them, and they are not held out.
     """
 
-    straight: NDArray[np.float64]
+    left: NDArray[np.float64]
     chosen: tuple[tuple[str, ...], ...]
     unseen: frozenset[str]
 
@@ -45,10 +45,13 @@ class HeldOut:
 
 @dataclass(frozen=True, eq=False)
 class _Prediction:
-    """What one choice leaves of all numbers, its parameters chosen without those held out."""
+    """What one choice leaves of all numbers, its parameters chosen without those held out.
+
+    Numbers are chosen by as robust ones, and judged as they are.
+    """
 
     names: tuple[str, ...]
-    straight: NDArray[np.float64]
+    left: NDArray[np.float64]
     parameters: float
 
 
@@ -59,14 +62,15 @@ def held_out(attribution: Attribution) -> HeldOut:
     another, to first order. They compete by their likelihood, less a nat for each parameter (Akaike 1974).
     """
     problem, best = attribution.problem, attribution.best
-    fold = fold_for(problem, best.hypothesis)
-    left = robust(best.z).copy()
+    left = best.z.copy()
     chosen, unseen = [], set()
-    for held in (fold, ~fold) if best.hypothesis else ():
+    for held in held_parts_for(problem, best.hypothesis) if best.hypothesis else ():
         given = {name for name in best.names if not _shows(problem, best, name, ~held)}
         every = [p for p in _predictions(attribution, held) if given <= set(p.names)]
-        first = min(every, key=lambda p: 0.5 * problem.weight * _squares(p.straight[~held]) + p.parameters)
-        left[held] = first.straight[held]
+        first = min(
+            every, key=lambda p: 0.5 * problem.weight * _squares(robust(p.left[~held])) + p.parameters
+        )
+        left[held] = first.left[held]
         chosen.append(first.names)
         unseen |= given
     return HeldOut(left, tuple(chosen), frozenset(unseen))
@@ -85,8 +89,8 @@ def _predictions(attribution: Attribution, held: NDArray[np.bool_]) -> Iterator[
     best, fits = attribution.best, attribution.fits
     fitted = [f for f in fits.values() if len(f.names) == len(best.names) and set(f.names) != set(best.names)]
     for each in (best, *fitted):
-        straight = robust(each.z) + each.jacobian @ move_without(each, held)
-        yield _Prediction(each.names, straight, len(each.steps))
+        left = each.z + plain_jacobian(each) @ move_without(each, held)
+        yield _Prediction(each.names, left, len(each.steps))
     tried = {frozenset(f.names) for f in (best, *fitted)}
     for name in best.names:
         rest = fits.get(tuple(sorted(set(best.names) - {name})))
@@ -99,7 +103,9 @@ def _predictions(attribution: Attribution, held: NDArray[np.bool_]) -> Iterator[
             for form in forms_of(directions):
                 jacobian = np.hstack([rest.jacobian, columns_on(form, rest.z)])
                 move = move_of_fold(jacobian[~held], straight[~held])
-                yield _Prediction((*rest.names, other), straight + jacobian @ move, len(move))
+                changes = np.stack([direction.change for direction in form], axis=1)
+                left = rest.z + np.hstack([plain_jacobian(rest), changes]) @ move
+                yield _Prediction((*rest.names, other), left, len(move))
 
 
 def _squares(straight: NDArray[np.float64]) -> float:

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from tacos_gap.attribution.result import Attribution
 from tacos_gap.inference.closure import closure
-from tacos_gap.inference.fit import fold_for, move_of_fold
+from tacos_gap.inference.fit import held_parts_for, move_of_fold
 from tacos_gap.inference.problem import robust
-from tacos_gap.inference.screening import ScreeningDirections, columns_on, forms_of
+from tacos_gap.inference.screening import columns_on, forms_of
 from tacos_gap.inference.unknown import block_index
 
 
@@ -58,15 +58,19 @@ def negative_control(
     problem, count = attribution.problem, len(attribution.best.hypothesis)
     if not count:
         return None
-    z = _without_meaning(robust(problem.null), block_index(problem), rng, draws)
-    fold = fold_for(problem, attribution.best.hypothesis)
-    columns = _columns(attribution.directions, problem.null)
+    z = _without_meaning(problem.null, block_index(problem), rng, draws)
+    forms = [form for of_effect in attribution.directions.values() for form in forms_of(of_effect)]
+    columns = [columns_on(form, problem.null) for form in forms]
+    changes = [np.stack([direction.change for direction in form], axis=1) for form in forms]
+    held_parts = held_parts_for(problem, attribution.best.hypothesis)
     predicted = z.copy()
-    for held in (fold, ~fold):
+    for held in held_parts:
         left = z
         for _ in range(count):
-            left = _with_one_more(left, columns, ~held, problem.weight)
+            left = _with_one_more(left, columns, changes, ~held, problem.weight)
         predicted[held] = left[held]
+    alone = ~(held_parts[0] | held_parts[1])
+    predicted[alone] = left[alone]
     before = problem.gap(problem.null)
     after = np.sqrt(np.mean(predicted**2, axis=0)) / problem.noise_floor_rms
     found = [closure(before, each) for each in after.tolist()]
@@ -77,30 +81,36 @@ def negative_control(
 
 
 def _without_meaning(
-    straight: NDArray[np.float64], blocks: NDArray[np.int64], rng: np.random.Generator, draws: int
+    z: NDArray[np.float64], blocks: NDArray[np.int64], rng: np.random.Generator, draws: int
 ) -> NDArray[np.float64]:
     """(K, D) residuals exchanged within their blocks, with random signs."""
-    found = np.empty((len(straight), draws))
+    found = np.empty((len(z), draws))
     for k in range(int(blocks.max()) + 1):
         block = np.flatnonzero(blocks == k)
         for draw in range(draws):
-            found[block, draw] = straight[rng.permutation(block)]
+            found[block, draw] = z[rng.permutation(block)]
     return np.asarray(found * rng.choice((-1.0, 1.0), found.shape))
 
 
-def _columns(directions: ScreeningDirections, null: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-    """(K, P) what each effect changes, form by form."""
-    return [columns_on(form, null) for of_effect in directions.values() for form in forms_of(of_effect)]
-
-
 def _with_one_more(
-    left: NDArray[np.float64], columns: Sequence[NDArray[np.float64]], seen: NDArray[np.bool_], weight: float
+    left: NDArray[np.float64],
+    columns: Sequence[NDArray[np.float64]],
+    changes: Sequence[NDArray[np.float64]],
+    seen: NDArray[np.bool_],
+    weight: float,
 ) -> NDArray[np.float64]:
-    """(K, D) what is left with the effect that gains most in the numbers seen, each draw its own."""
+    """(K, D) what is left with the effect that gains most in the numbers seen, each draw its own.
+
+    Parameters
+    ----------
+    columns, changes
+        (K, P) what each effect changes in the robust residuals, and in the residuals.
+    """
     best, least = left, np.full(left.shape[1], np.inf)
-    for own in columns:
-        changed = left + own @ move_of_fold(own[seen], left[seen])
-        cost = 0.5 * weight * np.sum(changed[seen] ** 2, axis=0) + own.shape[1]
+    straight = robust(left)
+    for own, change in zip(columns, changes, strict=True):
+        changed = left + change @ move_of_fold(own[seen], straight[seen])
+        cost = 0.5 * weight * np.sum(robust(changed[seen]) ** 2, axis=0) + own.shape[1]
         better = cost < least
         best, least = np.where(better, changed, best), np.where(better, cost, least)
     return best

@@ -10,23 +10,26 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.inference.fit import Fitted, fold_for, jacobian_for, move_without
+from tacos_gap.inference.fit import Fitted, held_parts_for, move_without, plain_jacobian
 from tacos_gap.inference.jacobian import columns_of
-from tacos_gap.inference.problem import Problem, robust
+from tacos_gap.inference.problem import Problem
 from tacos_gap.inference.unknown import block_index
 
 
 def closure(before: float, after: float, floor: float = 1.0) -> float:
-    """Share of the gap above the noise floor that is gone: ``(before - after) / (before - floor)``.
+    """Share of the squared gap above the noise floor that is gone.
+
+    It is ``(before^2 - after^2) / (before^2 - floor^2)``: squares of independent differences add up, so that
+    what each of several effects removes does, too.
 
     Examples
     --------
-    >>> closure(before=11.0, after=2.0)
-    0.9
+    >>> closure(before=7.0, after=5.0)
+    0.5
     """
     if before <= floor:
         return 0.0
-    return float(np.clip((before - after) / (before - floor), -1.0, 1.0))
+    return float(np.clip((before**2 - after**2) / (before**2 - floor**2), -1.0, 1.0))
 
 
 def shapley(names: Sequence[str], value: Callable[[tuple[str, ...]], float]) -> dict[str, float]:
@@ -122,10 +125,10 @@ def closures_of(problem: Problem, best: Fitted, rng: np.random.Generator, draws:
 
 
 def resampled_gaps(
-    problem: Problem, straight: NDArray[np.float64], rng: np.random.Generator, draws: int = 200
+    problem: Problem, left: NDArray[np.float64], rng: np.random.Generator, draws: int = 200
 ) -> NDArray[np.float64]:
-    """(S, 1 + D) gaps that (S, K) robust residuals leave: all, and resampled captures and statistics."""
-    groups, squares = block_index(problem), straight**2
+    """(S, 1 + D) gaps that (S, K) residuals leave: of all, and of resampled captures and statistics."""
+    groups, squares = block_index(problem), left**2
     count = int(groups.max()) + 1
     drawn = rng.integers(count, size=(draws, count))
     sums = np.stack([np.bincount(groups, each) for each in squares])
@@ -136,14 +139,13 @@ def resampled_gaps(
 
 
 def _left_by(problem: Problem, best: Fitted, names: Sequence[str]) -> NDArray[np.float64]:
-    """(K,) robust residuals that some effects leave, their parameters of each fold from the other."""
+    """(K,) residuals that some effects leave, their parameters of each fold from the other."""
     z = problem.residual(tuple(term for term in best.hypothesis if term.name in names))
     if z is None:
-        return robust(problem.null)
+        return problem.null
     z = best.z if tuple(names) == best.names else z
     own = [k for k, (effect, *_) in enumerate(columns_of(best.hypothesis)) if effect in names]
-    columns, predicted = jacobian_for(best, z)[:, own], robust(z)
-    fold = fold_for(problem, best.hypothesis)
-    for held in (fold, ~fold):
+    columns, predicted = plain_jacobian(best)[:, own], z.copy()
+    for held in held_parts_for(problem, best.hypothesis):
         predicted[held] += columns[held] @ move_without(best, held)[own]
     return predicted

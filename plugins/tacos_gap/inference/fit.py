@@ -199,6 +199,11 @@ def jacobian_for(fitted: Fitted, z: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(fitted.jacobian * (robust_derivative(z) / robust_derivative(fitted.z))[:, None])
 
 
+def plain_jacobian(fitted: Fitted) -> NDArray[np.float64]:
+    """(K, P) change of the residuals themselves per step of each free parameter."""
+    return np.asarray(fitted.jacobian / robust_derivative(fitted.z)[:, None])
+
+
 def _move(state: _State, damping: float) -> NDArray[np.float64]:
     """(P,) damped Gauss-Newton step (Levenberg 1944) [steps that matter]."""
     normal = state.jacobian.T @ state.jacobian
@@ -248,15 +253,24 @@ def _held_out(
     jacobian: NDArray[np.float64],
     steps: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Residuals of each fold with the parameters the other fold alone would have chosen, to first order."""
+    """Residuals of each fold with the parameters the other fold alone would have chosen, to first order.
+
+    A number that stands alone was fitted to; it counts with what that flatters it by, twice its leverage
+    (Mallows 1973, "Some comments on Cp", Technometrics 15(4)).
+    """
     if not jacobian.shape[1]:
         return z
-    straight = robust(z)
-    predicted = straight.copy()
-    fold = fold_for(problem, hypothesis)
-    for held in (fold, ~fold):
-        predicted[held] += jacobian[held] @ _move_without(held, hypothesis, straight, jacobian, steps)
-    return np.asarray(ROBUST_SCALE * np.sinh(predicted / ROBUST_SCALE))
+    straight, predicted = robust(z), z.copy()
+    alone = np.ones(len(z), bool)
+    for held in held_parts_for(problem, hypothesis):
+        move = _move_without(held, hypothesis, straight, jacobian, steps)
+        predicted[held] += jacobian[held] @ move / robust_derivative(z[held])
+        alone &= ~held
+    own = jacobian[alone]
+    leverage = np.sum(own * np.linalg.solve(_ridged(jacobian), own.T).T, axis=1)
+    honest = np.copysign(np.sqrt(straight[alone] ** 2 + 2 * leverage), straight[alone])
+    predicted[alone] = ROBUST_SCALE * np.sinh(honest / ROBUST_SCALE)
+    return predicted
 
 
 def move_without(fitted: Fitted, held: NDArray[np.bool_]) -> NDArray[np.float64]:
@@ -276,10 +290,10 @@ def _move_without(
     return _within_bounds(hypothesis, move_of_fold(jacobian[~held], straight[~held]), steps)
 
 
-def fold_for(problem: Problem, hypothesis: Hypothesis) -> NDArray[np.bool_]:
-    """(K,) which residuals are held out first; within captures where a capture has values of its own."""
+def held_parts_for(problem: Problem, hypothesis: Hypothesis) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """`Problem.held_parts`, within captures where a capture has values of its own."""
     by_capture = any(is_of_one_capture(name) for name in free_names(hypothesis))
-    return problem.fold_within_captures if by_capture else problem.fold
+    return problem.held_parts(within_captures=by_capture)
 
 
 def move_of_fold(jacobian: NDArray[np.float64], straight: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -292,10 +306,14 @@ def move_of_fold(jacobian: NDArray[np.float64], straight: NDArray[np.float64]) -
     straight
         (K[, D]) the residuals, made robust.
     """
+    return np.clip(-np.linalg.solve(_ridged(jacobian), jacobian.T @ straight), -2, 2)
+
+
+def _ridged(jacobian: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(P, P) normal matrix of parameters that are known to a step that matters."""
     normal = jacobian.T @ jacobian
     ridge = 1e-6 * max(float(np.trace(normal)) / len(normal), 1e-12)
-    move = -np.linalg.solve(normal + (ridge + 1.0) * np.eye(len(normal)), jacobian.T @ straight)
-    return np.clip(move, -2, 2)
+    return np.asarray(normal + (ridge + 1.0) * np.eye(len(normal)))
 
 
 def _within_bounds(

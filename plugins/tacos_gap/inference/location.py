@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.inference.problem import Problem, robust
+from tacos_gap.inference.problem import Problem
 from tacos_gap.inference.significance import block_test, discoveries
 from tacos_gap.inference.unknown import SLACK, block_index, block_names
 
@@ -49,7 +49,7 @@ def locate(problem: Problem, z: NDArray[np.float64]) -> list[Place]:
     if not len(z):
         return []
     blocks, names = block_index(problem), block_names(problem)
-    own = np.bincount(blocks, robust(z) ** 2, len(names))
+    own = np.bincount(blocks, z**2, len(names))
     sizes = np.bincount(blocks, minlength=len(names))
     p_values = block_test(z, problem.null_replicates, blocks, SLACK).p_values
     found = discoveries(p_values, FALSE_DISCOVERIES)

@@ -52,10 +52,11 @@ of two effects that both bend it, each mends about half."""
 def share_explained(problem: Problem, with_it: NDArray[np.float64], without: NDArray[np.float64]) -> float:
     """Share of the squared gap that an effect explains in the statistics of captures where it shows.
 
-    They count by what they gain. What flats prove, scenes that nothing explains do not disprove; and where a
-    capture shows no gap, there is nothing to explain that could prove anything. What an effect mends of a
-    statistic is held against all that was wrong with it: the rest that another effect leaves there may come
-    of that one's exact form, and proves no further effect; but see `A_PART`.
+    They count by what they gain, of large residuals by its logarithm. What flats prove, scenes that
+    nothing explains do not disprove; and where a capture shows no gap, there is nothing to explain that
+    could prove anything. What an effect mends of a statistic is held against all that was wrong with it:
+    the rest that another effect leaves there may come of that one's exact form, and proves no further
+    effect; but see `A_PART`.
 
     Parameters
     ----------
@@ -66,7 +67,7 @@ def share_explained(problem: Problem, with_it: NDArray[np.float64], without: NDA
         return 0.0
     blocks = block_index(problem)
     sizes = np.bincount(blocks)
-    before, after, alone = (np.bincount(blocks, robust(z) ** 2) for z in (without, with_it, problem.null))
+    before, after, alone = (np.bincount(blocks, z**2) for z in (without, with_it, problem.null))
     gains = np.maximum(before - after, 0.0)
     if not gains.any():
         return 0.0
@@ -74,4 +75,6 @@ def share_explained(problem: Problem, with_it: NDArray[np.float64], without: NDA
     explained = np.clip(1 - np.maximum(after - SLACK**2 * sizes, 0.0) / above, 0.0, 1.0)
     explained[before <= SLACK**2 * sizes] = 0.0
     of_all = np.clip(gains / np.maximum(alone - after, 1e-9) / A_PART, 0.0, 1.0)
-    return float(np.average(explained * np.where(alone > after, of_all, 1.0), weights=gains))
+    compressed = np.bincount(blocks, robust(without) ** 2 - robust(with_it) ** 2)
+    counted = np.maximum(compressed, 1e-9 * gains)  # one steep statistic does not speak for all others
+    return float(np.average(explained * np.where(alone > after, of_all, 1.0), weights=counted))

@@ -39,7 +39,10 @@ Map = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
 
 
 def robust(z: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Robust residuals, arsinh-like, which outliers cannot rule; nearly the same below `ROBUST_SCALE`."""
+    """Robust residuals, arsinh-like, which outliers cannot rule; nearly the same below `ROBUST_SCALE`.
+
+    Searches go by them. What is found is judged on plain squares.
+    """
     return np.asarray(ROBUST_SCALE * np.arcsinh(z / ROBUST_SCALE))
 
 
@@ -50,7 +53,7 @@ def robust_derivative(z: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def floor_rms(replicates: NDArray[np.float64]) -> float:
     """Root mean square of a noise floor's own (B, K) residuals, at least `LEAST_FLOOR` [noise floor]."""
-    return max(float(np.sqrt(np.mean(robust(replicates) ** 2))), LEAST_FLOOR) if replicates.size else 1.0
+    return max(float(np.sqrt(np.mean(replicates**2))), LEAST_FLOOR) if replicates.size else 1.0
 
 
 def _side_by_side(replicates: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
@@ -245,7 +248,7 @@ class Problem:
     def gap(self, z: NDArray[np.float64], part: NDArray[np.bool_] | None = None) -> float:
         """Root mean square residual, in units of that of the noise floor [noise floor]."""
         chosen = z if part is None else z[part]
-        return float(np.sqrt(np.mean(robust(chosen) ** 2)) / self.noise_floor_rms) if chosen.size else 0.0
+        return float(np.sqrt(np.mean(chosen**2)) / self.noise_floor_rms) if chosen.size else 0.0
 
     @cached_property
     def null_gaps(self) -> NDArray[np.float64]:
@@ -274,18 +277,29 @@ class Problem:
         """(K,) which of two folds each number is in when every capture is split by place, level, frequency.
 
         What holds for one capture alone cannot be predicted from another. The places of a statistic are held
-        out in whole parts, all channels of a place together; statistics of one place alternate.
+        out in whole parts, all channels of a place together.
         """
         places: dict[tuple[str, str], dict[str, int]] = {}
         found = []
         for label in self.labels:
             known = places.setdefault((label.capture, label.statistic), {})
             found.append(known.setdefault(_place(label), len(known)))
-        order = {name: place for place, name in enumerate(places)}
         fold = np.zeros(len(found), bool)
         for i, (label, place) in enumerate(zip(self.labels, found, strict=True)):
-            block = (label.capture, label.statistic)
-            count = len(places[block])
-            part = order[block] if count == 1 else place * min(PLACES_APART, count) // count
-            fold[i] = part % 2 == 1
+            count = len(places[label.capture, label.statistic])
+            fold[i] = place * min(PLACES_APART, count) // count % 2 == 1
         return fold
+
+    def held_parts(self, *, within_captures: bool = False) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """(K,) each: what is held out first, and what then.
+
+        A number is in neither where the other fold has none of its statistic, as of a single dark the noise
+        of its rows: nothing that was left could predict it.
+        """
+        fold = self.fold_within_captures if within_captures else self.fold
+        keys = [(label.capture if within_captures else label.kind, label.statistic) for label in self.labels]
+        seen: dict[tuple[str, str], set[bool]] = {}
+        for key, part in zip(keys, fold.tolist(), strict=True):
+            seen.setdefault(key, set()).add(part)
+        has_both = np.array([len(seen[key]) == 2 for key in keys], bool)
+        return fold & has_both, ~fold & has_both

@@ -9,8 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import f as fisher
 
-from tacos_gap.inference.problem import robust
-
 _EULER = 0.5772156649
 _LEAST_FREEDOM = 1.0  # of numbers that all vary as one
 _LEAST_MEAN = 1e-3  # of a sum of squares in units of the noise floor: blocks without noise
@@ -56,7 +54,7 @@ class BlockTest:
 def block_test(
     z: NDArray[np.float64], replicates: NDArray[np.float64], blocks: NDArray[np.int64], slack: float = 1.0
 ) -> BlockTest:
-    """Test the sum of robust squares of each block.
+    """Test the sum of squares of each block.
 
     Against B replicates of mean m and variance v it follows m F(d, B d), d = 2 m^2 / v, if squares are a
     scaled chi-squared (Satterthwaite 1946, Biometrics Bulletin 2(6)) whose scale is as uncertain as B of them
@@ -75,8 +73,8 @@ def block_test(
     """
     count = int(blocks.max()) + 1 if blocks.size else 0
     sizes = np.bincount(blocks, minlength=count)
-    own = np.bincount(blocks, robust(z) ** 2, count) / slack**2
-    floor = np.array([np.bincount(blocks, robust(each) ** 2, count) for each in replicates], float)
+    own = np.bincount(blocks, z**2, count) / slack**2
+    floor = np.array([np.bincount(blocks, each**2, count) for each in replicates], float)
     p_values = _p_values(own, floor, sizes)
     if len(floor) < 4 or not count:
         return BlockTest(p_values, float(np.log(max(count, 1))), 1.0)
@@ -103,11 +101,11 @@ def least_significant(
     smaller than the noise floor, which equivalence margins are part of.
     """
     test = block_test(z, replicates, blocks, slack)
-    floor = np.array([np.bincount(blocks, robust(each) ** 2) for each in replicates], float)
+    floor = np.array([np.bincount(blocks, each**2) for each in replicates], float)
     sizes = np.bincount(blocks)
     mean, freedom = _floor_of(floor, sizes)
     critical = slack**2 * mean * fisher.isf(test.least_p_value(p_value), freedom, len(floor) * freedom)
-    return np.asarray(np.maximum(critical, sizes) - np.minimum(mean, np.bincount(blocks, robust(z) ** 2)))
+    return np.asarray(np.maximum(critical, sizes) - np.minimum(mean, np.bincount(blocks, z**2)))
 
 
 def _p_values(

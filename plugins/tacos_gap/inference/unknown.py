@@ -9,12 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.evidence import ReplicateResiduals
-from tacos_gap.inference.problem import LEAST_FLOOR, Problem, floor_rms, robust
+from tacos_gap.inference.problem import LEAST_FLOOR, Problem, floor_rms
 from tacos_gap.inference.significance import BlockTest, block_test, discoveries
 
-TOLERATED = 0.05
-CERTAIN = 0.15
-"""Shares of the gap left: up to the first nothing is unknown, from the second on something certainly is."""
+TOLERATED = 0.02
+CERTAIN = 0.1
+"""Shares of the squared gap left: up to the first nothing is unknown, from the second on something certainly
+is."""
+
+MOST_OF_ONE = 0.9
+"""Share of the squared gap that one statistic counts for at most where others differ, too: one that hardly
+varies, as of darks without a pedestal, says little of what else there is."""
 
 SIGNIFICANT = 0.05
 """p-value of the most extreme statistic below which something is left."""
@@ -40,7 +45,7 @@ class Unexplained:
     gap
         What is left [noise floor].
     share
-        What is left above the noise floor, over what there was.
+        What is left of the squared gap above the noise floor, over what there was.
     where
         Statistic that holds most of it; None where nothing is left.
     by_stage, by_capture
@@ -75,13 +80,15 @@ def unexplained(problem: Problem, residuals: ReplicateResiduals) -> Unexplained:
     # what there was, too, in units of the hypothesis: a noisier one must not seem to explain by that alone
     null = problem.null * problem.scale / residuals.scale
     size = floor_rms(residuals.replicates)
-    gap, before = _rms(z) / size, _rms(null) / size
     blocks, names = block_index(problem), block_names(problem)
     test = block_test(z, residuals.replicates, blocks, SLACK)
     p_value = test.family_p_value()
-    share = max(gap - SLACK, 0.0) / max(before - 1.0, 1e-9) if before > SLACK else 0.0
+    counted = _weights(null, residuals.replicates, blocks, names)[blocks] / size**2
+    left = float(np.sum(counted * z**2 - SLACK**2 * counted * size**2))
+    before = float(np.sum(counted * null**2 - counted * size**2))
+    share = max(left, 0.0) / max(before, 1e-9) if _rms(null) / size > SLACK else 0.0
     score = _doubt(share) * (1 - p_value) if p_value < SIGNIFICANT else 0.0
-    own = np.bincount(blocks, robust(z) ** 2, len(names))
+    own = np.bincount(blocks, z**2, len(names))
     significant = test.p_values <= test.least_p_value(SIGNIFICANT)
     worst = int(np.argmax(own)) if len(own) else 0
     stages = {block: label.stage for block, label in zip(blocks.tolist(), problem.labels, strict=True)}
@@ -89,7 +96,7 @@ def unexplained(problem: Problem, residuals: ReplicateResiduals) -> Unexplained:
     return Unexplained(
         round(score, 3),
         p_value,
-        gap,
+        _rms(z) / size,
         round(share, 4),
         names[worst][1] if score > 0.1 else None,
         part.by([stages[k] for k in range(len(names))]),
@@ -125,10 +132,10 @@ class _PartwiseDoubt:
     def _excess(
         self, z: NDArray[np.float64], counted: NDArray[np.bool_], inside: NDArray[np.bool_], slack: float
     ) -> float:
-        """Root mean square above the noise floor of the numbers `counted`, over all `inside`."""
-        floor = np.maximum((robust(self.replicates) ** 2).mean(axis=0), LEAST_FLOOR**2)
-        above = float(np.sum((robust(z) ** 2 - slack**2 * floor)[counted]))
-        return float(np.sqrt(max(above, 0.0) / max(int(inside.sum()), 1)))
+        """Squares above the noise floor of the numbers `counted`, over how many are `inside`."""
+        floor = np.maximum((self.replicates**2).mean(axis=0), LEAST_FLOOR**2)
+        above = float(np.sum((z**2 - slack**2 * floor)[counted]))
+        return max(above, 0.0) / max(int(inside.sum()), 1)
 
 
 def _doubt(share: float) -> float:
@@ -136,7 +143,34 @@ def _doubt(share: float) -> float:
 
 
 def _rms(z: NDArray[np.float64]) -> float:
-    return float(np.sqrt(np.mean(robust(z) ** 2)))
+    return float(np.sqrt(np.mean(z**2)))
+
+
+def _weights(
+    null: NDArray[np.float64],
+    replicates: NDArray[np.float64],
+    blocks: NDArray[np.int64],
+    names: Sequence[tuple[str, str]],
+) -> NDArray[np.float64]:
+    """(M,) what squares of each block count, so that no statistic has more than `MOST_OF_ONE` of the gap.
+
+    Of the others only those weigh against it that differ significantly.
+    """
+    sizes = np.bincount(blocks, minlength=len(names))
+    own = np.bincount(blocks, null**2, len(names))
+    found = discoveries(block_test(null, replicates, blocks, SLACK).p_values, SIGNIFICANT)
+    above = np.where(found, np.maximum(own - SLACK**2 * sizes, 0.0), 0.0)
+    statistics = [statistic for _, statistic in names]
+    order = {name: k for k, name in enumerate(dict.fromkeys(statistics))}
+    index = np.array([order[name] for name in statistics], np.int64)
+    by_statistic = np.bincount(index, above, len(order))
+    weights = np.ones(len(order))
+    if len(order):
+        top = int(np.argmax(by_statistic))
+        others = float(by_statistic.sum() - by_statistic[top]) * MOST_OF_ONE / (1 - MOST_OF_ONE)
+        if 0 < others < by_statistic[top]:
+            weights[top] = others / by_statistic[top]
+    return weights[index]
 
 
 def block_names(problem: Problem) -> list[tuple[str, str]]:

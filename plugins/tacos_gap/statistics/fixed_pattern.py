@@ -15,8 +15,15 @@ from tacos_gap.statistics.masked import only_in
 
 _WINDOW_PX = 7
 _WINDOW_OF_A_PLANE = 5  # photosites of one colour
-_RELATIVE = 0.0015
+_RELATIVE = 0.0007
 _OFFSET_DN = 0.04
+"""Equivalence margins of a pattern's rms, over the signal and in the dark. Sensors have a PRNU of .2 % and
+more: a margin as wide would hide it, and its neighbours in the same captures would be blamed."""
+
+_LINES_RELATIVE = 0.0003
+_LINES_DN = 0.012
+"""Those of the rms of columns and rows."""
+
 _LEAST_OF_A_LINE = 16  # pixels
 
 
@@ -53,7 +60,7 @@ def _covariance(sample: Sample) -> Iterator[StatisticBlock]:
             if not filled.any():
                 continue
             value = np.array([float(np.mean(a * b))])
-            amplitude = (0.3 * _OFFSET_DN) ** 2 + (0.2 * _RELATIVE * signal.mean()) ** 2
+            amplitude = _LINES_DN**2 + (_LINES_RELATIVE * signal.mean()) ** 2
             luck = np.abs(value) * np.sqrt(2 / np.count_nonzero(filled))
             yield StatisticBlock(name, "pixel", value, [{"channel": label}], np.hypot(amplitude, luck))
 

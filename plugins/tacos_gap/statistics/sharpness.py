@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.captures import RealCapture
-from tacos_gap.statistics.block import Sample, StatisticBlock
+from tacos_gap.statistics.block import Sample, StatisticBlock, mean_signal
+from tacos_plugins.noise_calibration.photon_transfer import ROUNDING_DN2
 
 TILE_PX = 64
 BANDS = (0.03, 0.08, 0.16, 0.28, 0.42)
@@ -22,7 +23,14 @@ ZONES = (0.0, 0.45, 0.75, np.inf)
 """Borders of the zones, as radius over half the diagonal; a crop may lie wholly off the principal point."""
 
 _LEAST_SHARE = 1e-7
-"""Detail fainter than this share of full scale squared is lost in noise."""
+"""Detail fainter than this share of full scale squared is lost in noise, of whatever camera."""
+
+_ABOVE_NOISE = 3.0
+"""Expected power over that of noise from which on a cell tells of detail."""
+
+_LEAST_OF_A_BAND = 0.01
+"""Expected power over that of the strongest direction of the same band below which a cell holds what a window
+leaks into it: along itself a straight edge has no detail."""
 
 
 def sharpness_statistics(sample: Sample) -> Iterator[StatisticBlock]:
@@ -88,10 +96,23 @@ def _make_layout(capture: RealCapture) -> _Layout | None:
     cell = np.where((band >= 0) & (band < len(BANDS) - 1), band * DIRECTIONS + sector, -1)
     layout = _Layout(corners, np.array(zones), cell, np.zeros(0), np.zeros(0, int), 0.0, [])
     power = _power(expected[..., green], layout)
-    least = _LEAST_SHARE * capture.context.white_level_dn**2
-    kept = np.flatnonzero(power > 3 * least)
+    least = max(_LEAST_SHARE * capture.context.white_level_dn**2, _noise_power(capture, green))
+    strongest = power.reshape(-1, DIRECTIONS).max(axis=1).repeat(DIRECTIONS)
+    kept = np.flatnonzero((power > _ABOVE_NOISE * least) & (power > _LEAST_OF_A_BAND * strongest))
     at = [_place(int(k)) for k in kept]
     return _Layout(corners, layout.zone, cell, power, kept, least, at)
+
+
+def _noise_power(capture: RealCapture, channel: int) -> float:
+    """Power of the noise in the mean of the frames, alike at all frequencies [DN^2 per frequency].
+
+    Without it the cells that an edge leaves empty, along itself and beyond what a lens passes, compare noise
+    with noise, to a hundredth.
+    """
+    noise = capture.noise
+    photon, thermal = noise.photon_dn[channel], noise.thermal_dn2[channel]
+    variance = photon * max(float(mean_signal(capture)[channel]), 0.0) + thermal + ROUNDING_DN2
+    return float(variance / capture.frames)
 
 
 def _place(index: int) -> dict[str, Any]:

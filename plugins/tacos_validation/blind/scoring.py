@@ -122,8 +122,8 @@ def _closures(cases: Sequence[Case]) -> list[Figure]:
 
 
 def closed(before: float, after: float) -> float:
-    """Share of the gap above the noise floor that is gone."""
-    return 0.0 if before <= 1 else float(np.clip((before - after) / (before - 1), -1, 1))
+    """Share of the squared gap above the noise floor that is gone."""
+    return 0.0 if before <= 1 else float(np.clip((before**2 - after**2) / (before**2 - 1), -1, 1))
 
 
 def _seconds(timed: Sequence[Case]) -> list[Figure]:

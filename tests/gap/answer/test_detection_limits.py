@@ -12,7 +12,7 @@ from tacos_framework.settings import Settings, setting
 from tacos_gap.answer.detection_limits import detection_limits
 from tacos_gap.attribution import COMPLEXITY_PENALTY
 from tacos_gap.evidence import Label
-from tacos_gap.inference.problem import ROBUST_SCALE, Problem, robust
+from tacos_gap.inference.problem import Problem
 from tacos_gap.inference.significance import block_test, least_significant
 from tacos_gap.inference.unknown import SLACK, block_index
 
@@ -79,9 +79,8 @@ def test_squares_grown_by_what_is_needed_are_just_significant(problem):
     blocks = block_index(problem)
     quiet = 0.1 * problem.null  # equivalence margins make noise smaller than its floor
     needed = least_significant(quiet, problem.null_replicates, blocks, 0.05, SLACK)
-    squares = np.sum(robust(quiet[blocks == 0]) ** 2) + needed[0]
-    each = ROBUST_SCALE * np.sinh(np.sqrt(squares / COUNT) / ROBUST_SCALE)  # its robust square is the mean
-    grown = np.where(blocks == 0, each, quiet)
+    squares = np.sum(quiet[blocks == 0] ** 2) + needed[0]
+    grown = np.where(blocks == 0, np.sqrt(squares / COUNT), quiet)
     found = block_test(grown, problem.null_replicates, blocks, SLACK).family_p_value()
     assert found == pytest.approx(0.05, rel=0.1)
 

@@ -100,6 +100,10 @@ def test_more_effects_than_can_be_enumerated_are_refused():
         shapley(tuple("abcdefg"), lambda _: 0.0)
 
 
+def test_two_thirds_of_the_squares_count_as_such_however_large_they_are():
+    assert closure(197.0, 114.0) == pytest.approx(2 / 3, abs=0.01)
+
+
 def explained(height: float, bend: float = 0.0, count: int = 4) -> tuple[Problem, Fitted]:
     of = problem(height, bend, count)
     begun = fit(of, start())

@@ -104,6 +104,47 @@ def test_intervals_hold_the_truth_about_as_often_as_they_say():
     assert 0.85 < np.mean(held) < 0.995  # 90 % asked for; wider by what a simulation with few replicates adds
 
 
+class OneNumber(Curve):
+    """Evidence of a single dark: one number that a parameter moves, and a curve that hardly knows of it."""
+
+    def __init__(self, number: float, hint: float = 0.0):
+        super().__init__(0.0, 0.0, 1, kind="dark")
+        self.number, self.hint = number, hint
+        self.labels = [*self.labels, Label("dark 1", "dark", "rows", "readout", {})]
+        self.null_replicates = np.random.default_rng(2).normal(0, 1, (16, len(self.labels)))
+
+    def residual(self, effects: Sequence[Any], draws: int = 1) -> np.ndarray:
+        height = sum(e.config.height for e in effects)
+        curve = self.real + self.hint * X - 0.02 * height * X
+        return np.append(curve, self.number - 3.0 * height)
+
+
+@pytest.mark.parametrize("hint", [0.0, 0.6, -0.6])
+def test_what_one_number_alone_shows_is_found_whatever_its_neighbours_hint_at(hint):
+    of = Problem([OneNumber(9.0, hint)])
+    held = np.logical_or(*of.held_parts())
+    assert held[:-1].all()
+    assert not held[-1]
+    begun = fit(of, (HypothesisTerm("bump", Bump, {"height": 1.0, "bend": 0.0}, {"height": 1.0}),))
+    null = fit(of, ())
+    assert begun is not None
+    assert null is not None
+    assert begun.score - null.score > 20
+    assert 1.0 < abs(begun.held_out[-1]) < 2.0, "it counts with what fitting it flattered it by"
+
+
+def test_one_number_that_noise_moves_gains_nothing():
+    gains = []
+    for luck in np.random.default_rng(5).normal(0, 1, 200):
+        of = Problem([OneNumber(float(luck))])
+        begun = fit(of, (HypothesisTerm("bump", Bump, {"height": 0.1, "bend": 0.0}, {"height": 1.0}),))
+        null = fit(of, ())
+        assert begun is not None
+        assert null is not None
+        gains.append(begun.score - null.score)
+    assert np.mean(gains) < 0
+
+
 def test_at_its_end_a_fit_costs_its_jacobian_alone():
     """What a step would gain is known before it is simulated."""
     of = problem(6.0, 1.2)

@@ -21,13 +21,16 @@ _LEAST_WIDTH_DN = 2.0
 
 _ROUNDS = 4
 _CLIPPED = 0.95
+_CUT_OFF = 0.01
+"""Share of a dark at 0 from which on its mean lies above its level."""
 
 
 def pooled_noise(captures: Sequence[RealCapture]) -> Noise | None:
     """One line of variance against signal for all captures of a gain, per channel.
 
     Half the variance of the difference of two frames, bin by bin of their mean: the light, its shading and
-    the pattern of the sensor cancel (EMVA 1288 release 4, 6.6; Janesick 2007, "Photon Transfer").
+    the pattern of the sensor cancel (EMVA 1288 release 4, 6.6; Janesick 2007, "Photon Transfer"). Signal is
+    what lies above the darks, where there are some: the pedestal that is believed may be what is wrong.
 
     Parameters
     ----------
@@ -44,7 +47,8 @@ def pooled_noise(captures: Sequence[RealCapture]) -> Noise | None:
         return None
     photon, thermal = [], []
     for channel in range(still[0].real_dn.shape[-1]):
-        points = np.array([point for each in still for point in _points(each, channel)]).reshape(-1, 3)
+        zero = _zero_level_dn(still, channel)
+        points = np.array([point for each in still for point in _points(each, channel, zero)]).reshape(-1, 3)
         span = still[0].context.white_level_dn - still[0].context.black_level_dn
         if len(points) < 2 or np.ptp(points[:, 0]) < LEAST_SPAN * span:
             return None
@@ -56,15 +60,26 @@ def pooled_noise(captures: Sequence[RealCapture]) -> Noise | None:
     return Noise(tuple(photon), tuple(thermal), known=False)
 
 
-def _points(capture: RealCapture, channel: int) -> list[tuple[float, float, float]]:
-    """Signal, variance and number of pixels of each bin of level [DN, DN^2, 1]."""
+def _zero_level_dn(captures: Sequence[RealCapture], channel: int) -> float:
+    """Level of the shortest dark; the believed pedestal where none is, or its noise is cut off at 0 [DN]."""
+    darks = [capture for capture in captures if capture.kind == "dark"]
+    if darks:
+        shortest = min(darks, key=lambda each: each.context.exposure_s)
+        seen = shortest.real_dn[:, shortest.valid, channel]
+        if np.mean(seen <= 0) < _CUT_OFF:
+            return float(seen.mean())
+    return captures[0].context.black_level_dn
+
+
+def _points(capture: RealCapture, channel: int, zero_dn: float) -> list[tuple[float, float, float]]:
+    """Signal above `zero_dn`, variance and number of pixels of each bin of level [DN, DN^2, 1]."""
     pair = thinned(capture.real_dn[:2, ..., channel : channel + 1])
     first, second = pair[..., 0].astype(np.float64)
     context = capture.context
-    mean = (first + second) / 2 - context.black_level_dn
-    span = context.white_level_dn - context.black_level_dn
+    mean = (first + second) / 2 - zero_dn
+    span = context.white_level_dn - zero_dn
     usable = thinned(capture.valid[..., None])[..., 0] & (mean < _CLIPPED * span)
-    if context.black_level_dn < 1:
+    if zero_dn < 1:
         usable &= (first > 0) & (second > 0)  # what is cut off at 0 has lost half of its noise
     level, difference = mean[usable], (first - second)[usable]
     if level.size < _LEAST_PIXELS:
@@ -76,7 +91,7 @@ def _points(capture: RealCapture, channel: int) -> list[tuple[float, float, floa
 
     def variance(inside: NDArray[np.bool_]) -> float:
         found = _robust_variance(difference[inside]) / 2
-        return before_rounding(found, level[inside].mean() + context.black_level_dn) if rounded else found
+        return before_rounding(found, level[inside].mean() + zero_dn) if rounded else found
 
     return [
         (float(level[inside].mean()), variance(inside), float(inside.sum()))

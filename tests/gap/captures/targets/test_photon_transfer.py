@@ -47,6 +47,26 @@ def test_the_line_of_a_camera_is_found_by_a_dark_a_wall_and_an_edge(black_dn, re
     assert found.thermal_dn2[0] == pytest.approx((read_e * 0.0425) ** 2, rel=0.1)
 
 
+def test_a_pedestal_that_nobody_believes_is_no_signal():
+    """Darks at 26 DN and a belief of 0: the noise at zero signal is that of the darks."""
+    rng = np.random.default_rng(7)
+    levels = {"dark": 0.0, "flat": 0.3, "bracket": 0.7}
+    captures = [
+        replace(
+            _flat(
+                _files(rng, np.full((200, 200), 6000 * level), dn_per_electron=0.035, read_e=20, black_dn=26),
+                0.0,
+            ),
+            kind=kind,
+        )
+        for kind, level in levels.items()
+    ]
+    found = pooled_noise(captures)
+    assert found is not None
+    assert found.photon_dn[0] == pytest.approx(0.035, rel=0.03)
+    assert found.thermal_dn2[0] == pytest.approx((20 * 0.035) ** 2, rel=0.05)
+
+
 @pytest.mark.parametrize("sigma_dn", [0.26, 0.4, 1.0, 3.0])
 @pytest.mark.parametrize("level_dn", [16.0, 16.3, 16.5])
 def test_what_rounding_does_is_undone(sigma_dn, level_dn):
