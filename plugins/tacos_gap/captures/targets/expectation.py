@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tacos_gap.captures.capture import Noise, RealCapture
 from tacos_gap.captures.noise_estimate import estimate_noise
@@ -22,7 +23,7 @@ from tacos_gap.captures.targets.chart import (
     reference_colours,
 )
 from tacos_gap.captures.targets.even_noise import even_noise
-from tacos_gap.captures.targets.photon_transfer import pooled_noise
+from tacos_gap.captures.targets.photon_transfer import pooled_noise, zero_levels_dn
 from tacos_gap.captures.targets.slanted_edge import find_edge, sharp_edge
 from tacos_gap.captures.targets.two_tone import with_print
 from tacos_gap.captures.targets.wall import even_expectation
@@ -59,7 +60,9 @@ def with_own_expectations(
         The captures that have an expectation or need none, in their order; and a sentence for each that was
         left out.
     """
-    noise = {gain: pooled_noise(members) for gain, members in _by_gain(captures).items()}
+    gains = _by_gain(captures)
+    noise = {gain: pooled_noise(members) for gain, members in gains.items()}
+    zero_dn = {gain: zero_levels_dn(members) for gain, members in gains.items()}
     found = {each.capture.id: each for each in _brackets(captures)}
     kept, said = [], []
     for capture in captures:
@@ -70,7 +73,8 @@ def with_own_expectations(
         if expected.lacks:
             said.append(f"{capture.id}: {expected.lacks}")
         else:
-            kept.append(_with_noise(expected.capture, noise[capture.context.gain_db]))
+            own = _above_the_darks(expected.capture, zero_dn[capture.context.gain_db])
+            kept.append(_with_noise(own, noise[capture.context.gain_db]))
     return tuple(kept), tuple(said)
 
 
@@ -79,6 +83,17 @@ def _by_gain(captures: Sequence[RealCapture]) -> dict[float, list[RealCapture]]:
     for capture in captures:
         gains.setdefault(capture.context.gain_db, []).append(capture)
     return gains
+
+
+def _above_the_darks(capture: RealCapture, zero_dn: NDArray[np.float64]) -> RealCapture:
+    """A wall or an edge as it would look above the believed pedestal; its files have that of the darks.
+
+    Else its light would hold the error of the pedestal, and the darks say that it is there.
+    """
+    off_dn = (zero_dn - capture.context.black_level_dn).astype(np.float32)
+    if capture.kind not in ("flat", "edge") or capture.expected_dn is None or not off_dn.any():
+        return capture
+    return replace(capture, expected_dn=capture.expected_dn - off_dn)
 
 
 def _with_noise(capture: RealCapture, pooled: Noise | None) -> RealCapture:

@@ -46,8 +46,7 @@ def pooled_noise(captures: Sequence[RealCapture]) -> Noise | None:
     if not still:
         return None
     photon, thermal = [], []
-    for channel in range(still[0].real_dn.shape[-1]):
-        zero = _zero_level_dn(still, channel)
+    for channel, zero in enumerate(zero_levels_dn(captures).tolist()):
         points = np.array([point for each in still for point in _points(each, channel, zero)]).reshape(-1, 3)
         span = still[0].context.white_level_dn - still[0].context.black_level_dn
         if len(points) < 2 or np.ptp(points[:, 0]) < LEAST_SPAN * span:
@@ -60,15 +59,18 @@ def pooled_noise(captures: Sequence[RealCapture]) -> Noise | None:
     return Noise(tuple(photon), tuple(thermal), known=False)
 
 
-def _zero_level_dn(captures: Sequence[RealCapture], channel: int) -> float:
-    """Level of the shortest dark; the believed pedestal where none is, or its noise is cut off at 0 [DN]."""
+def zero_levels_dn(captures: Sequence[RealCapture]) -> NDArray[np.float64]:
+    """(C,) levels of the files without light: those of the shortest dark, mean by mean [DN].
+
+    The believed pedestal where there is no dark, or where its noise is cut off at 0.
+    """
     darks = [capture for capture in captures if capture.kind == "dark"]
     if darks:
         shortest = min(darks, key=lambda each: each.context.exposure_s)
-        seen = shortest.real_dn[:, shortest.valid, channel]
-        if np.mean(seen <= 0) < _CUT_OFF:
-            return float(seen.mean())
-    return captures[0].context.black_level_dn
+        seen = shortest.real_dn[:, shortest.valid]
+        if seen.size and np.mean(seen <= 0) < _CUT_OFF:
+            return np.asarray(seen.mean(axis=(0, 1), dtype=np.float64))
+    return np.full(captures[0].real_dn.shape[-1], captures[0].context.black_level_dn, np.float64)
 
 
 def _points(capture: RealCapture, channel: int, zero_dn: float) -> list[tuple[float, float, float]]:

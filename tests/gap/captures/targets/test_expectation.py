@@ -77,6 +77,15 @@ def test_what_cannot_expect_anything_is_left_out_with_the_reason():
     assert "clipped" in said[2]
 
 
+def test_a_wall_expects_its_light_above_the_pedestal_that_is_believed():
+    """The darks lie 26 DN above it: what is left of the wall's level is light, and the rest is the error."""
+    dark = alone("dark", 26.0, id="cap")
+    dark = replace(dark, expected_dn=np.full((1, *dark.real_dn.shape[1:]), BLACK_DN, np.float32))
+    (_, wall), _ = with_own_expectations([dark, alone("flat", 126.0, id="wall")])
+    assert wall.expected_dn is not None
+    assert wall.expected_dn.mean() == pytest.approx(BLACK_DN + 100.0, abs=0.3)
+
+
 def test_noise_is_pooled_over_walls_of_several_levels():
     walls = [alone("flat", level) for level in (30.0, 90.0, 200.0)]
     noise = pooled_noise(walls)
