@@ -42,7 +42,7 @@ def found(verdict: str, *causes: Cause, **changes: Any) -> Diagnosis:
     made = Diagnosis(
         verdict=verdict,
         gap_before=14.2,
-        gap_after=14.2 - 13.2 * removed,
+        gap_after=(14.2**2 - (14.2**2 - 1) * removed) ** 0.5,
         gap_interval=(0.9, 1.3),
         where=[Place("optics", "relative_illumination", 35.1, 0.81, {}, ("flat",))],
         causes=causes,
