@@ -273,7 +273,7 @@ def test_closures_on_fresh_captures() -> None:
     fresh_gaps = {"before": 11.0, "found": 2.0, "truth": 1.0}
     cases = [case("T1", "prnu", named=("prnu",), fresh_gaps=fresh_gaps)]
     assert figure("Realised over oracle closure, fresh captures", *cases).value == pytest.approx(0.975)
-    assert figure("Predicted less realised closure", *cases).value == pytest.approx(0.0)
+    assert figure("Predicted less realised closure", *cases).value == pytest.approx(0.003)
 
 
 def test_an_error_is_a_wrong_answer() -> None:
