@@ -29,32 +29,46 @@ class Pace:
 
     Examples
     --------
-    >>> seconds = iter([0.0, 90.0, 90.0])
-    >>> pace = Pace("Designing", 4, clock=lambda: next(seconds))
+    >>> now_s = 0.0
+    >>> pace = Pace("Designing", 4, clock=lambda: now_s)
     >>> print(pace)
     Designing: 0 of 4 done
-    >>> pace.done += 1
-    >>> print(pace)
-    Designing: 1 of 4 done, about 0:04:30 left
+    >>> for now_s in (90.0, 100.0):
+    ...     pace.done += 1
+    ...     print(pace)
+    Designing: 1 of 4 done, at most 0:04:30 left
+    Designing: 2 of 4 done, about 0:00:20 left
     """
 
     def __init__(self, title: str, total: int | None, clock: Callable[[], float] = time.monotonic):
         self.title = printable(title)
         self.total = total
-        self.done = 0
         self._clock = clock
-        self._began_s = clock()
+        self._seen: list[tuple[int, float]] = [(0, clock())]
+
+    @property
+    def done(self) -> int:
+        """How much is done."""
+        return self._seen[-1][0]
+
+    @done.setter
+    def done(self, count: int) -> None:
+        self._seen.append((count, self._clock()))
 
     def __str__(self) -> str:
-        """Share done, and, once something is, the time left at the mean pace so far."""
+        """Share done, and, once something is, the time left at the pace of the later half of it.
+
+        The first takes longer, as worlds are read and lit for it.
+        """
         if self.total is None or self.done > self.total:  # an estimate that what is scored again exceeds
             return f"{self.title}: {self.done} done"
         so_far = f"{self.title}: {self.done} of {self.total} done"
         left = self.total - self.done
         if not self.done or left <= 0:
             return so_far
-        left_s = (self._clock() - self._began_s) / self.done * left
-        return f"{so_far}, about {timedelta(seconds=round(left_s))} left"
+        first, since_s = next(seen for seen in reversed(self._seen) if seen[0] <= self.done // 2)
+        left_s = (self._clock() - since_s) / (self.done - first) * left
+        return f"{so_far}, {'about' if first else 'at most'} {timedelta(seconds=round(left_s))} left"
 
 
 class Logged:

@@ -168,6 +168,9 @@ class World:
         precision would keep too little; zero for most worlds [m].
     remarks
         Doubts about its files, and statements in them that are not carried out, with the effect.
+    unscaled, light_factor
+        The same world in other light, with a content key of its own, and by how much stronger all light is
+        here [1]. Light is linear: what was worked out for the one holds for the other, times this factor.
     """
 
     key: str
@@ -181,6 +184,8 @@ class World:
     sky_cd_m2: NDArray[np.float32] | None = None
     origin_m: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     remarks: tuple[str, ...] = ()
+    unscaled: World | None = field(default=None, repr=False)
+    light_factor: float = 1.0
 
     def __post_init__(self) -> None:
         read_only(self, "origin_m", np.float64, (3,))

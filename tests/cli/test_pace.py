@@ -37,12 +37,29 @@ class Noting(Silent):
 def test_the_rest_takes_as_long_as_what_is_done_did() -> None:
     clock = Clock()
     pace = Pace("Scoring", 10, clock)
-    pace.done, clock.now_s = 4, 60.0
+    for _ in range(4):
+        clock.now_s += 15.0
+        pace.done += 1
     assert str(pace) == "Scoring: 4 of 10 done, about 0:01:30 left"
     pace.done = 10
     assert str(pace) == "Scoring: 10 of 10 done"
     pace.done = 11
     assert str(pace) == "Scoring: 11 done"
+
+
+@pytest.mark.parametrize("first_s", [1.0, 100.0])
+def test_what_the_first_has_read_and_lit_is_no_pace(first_s: float) -> None:
+    """A world that takes minutes to be lit made the estimate tenfold too high."""
+    clock = Clock()
+    pace = Pace("Scoring", 100, clock)
+    clock.now_s += first_s
+    pace.done += 1
+    assert "1 of 100 done, at most" in str(pace)
+    for done in range(2, 100):
+        clock.now_s += 1.0
+        pace.done = done
+        minutes, seconds = str(pace).split("about ")[1].removesuffix(" left").split(":")[1:]
+        assert int(minutes) * 60 + int(seconds) == 100 - done
 
 
 def test_of_an_unknown_whole_only_what_is_done_is_said() -> None:

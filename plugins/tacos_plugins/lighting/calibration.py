@@ -36,6 +36,8 @@ def scale_light(world: World, factor: float, *, key: str) -> World:
         indirect_lux=None if indirect is None else tuple(lux * np.float32(factor) for lux in indirect),
         ambient_cd_m2=world.ambient_cd_m2 * factor,
         sky_cd_m2=None if world.sky_cd_m2 is None else world.sky_cd_m2 * np.float32(factor),
+        unscaled=None,
+        light_factor=1.0,
     )
 
 

@@ -8,7 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import Light, Material, MeshPart, Object, World
+from tacos_framework import Light, Material, MeshPart, Object, World, content_key
+from tacos_plugins.kept_worlds.fingerprints import code_key
+from tacos_plugins.kept_worlds.store import store_of_user
 from tacos_plugins.lighting import LightTransport, photopic, scale_light
 from tacos_plugins.lighting.occlusion import Occlusion
 from tacos_plugins.lighting.refinement import refined
@@ -95,8 +97,8 @@ def lit_world(
     eye_m: float,
     sources: Sources,
     budget: Budget,
-) -> World:
-    """The world, with the light its sources have, baked.
+) -> tuple[World, float]:
+    """The world, with the light its sources have, baked, and its mean illuminance 1 m above the floor [lux].
 
     Parameters
     ----------
@@ -150,21 +152,31 @@ def at_illuminance(world: World, lux: float, illumination_lux: float | None) -> 
     """The world with its light scaled from `lux` to an illuminance; as it is where that is None [lux]."""
     if illumination_lux is None:
         return world
-    return scale_light(world, illumination_lux / lux, key=f"{world.key}-{illumination_lux!r}")
+    factor = illumination_lux / lux
+    scaled = scale_light(world, factor, key=f"{world.key}-{illumination_lux!r}")
+    return replace(scaled, unscaled=world, light_factor=factor)
 
 
-def illuminance_lux(world: World, floor: Floor) -> float:
-    """Mean illuminance on a plane 1 m above the floor [lux]."""
-    return _on_plane(_transport(world), floor)
-
-
-def _baked(world: World, floor: Floor) -> World:
+def _baked(world: World, floor: Floor) -> tuple[World, float]:
+    """The world with indirect light, and the mean illuminance on the plane [lux]; kept on disk."""
     # Light is kept at vertices, of which a wall of two triangles has too few.
     world = refined(world, _longest_edge_m(world))
-    transport = _transport(world)
-    if not _on_plane(transport, floor) > 0:
+    key, plane_m = world_key("imported", world), _plane_m(floor)
+
+    def made() -> tuple[tuple[NDArray[np.float32], ...], float]:
+        transport = _transport(world)
+        up = np.tile(np.array([0, 0, 1], np.float32), (len(plane_m), 1))
+        reached = transport.direct_lux(plane_m, up) + transport.indirect_lux(plane_m, up)
+        return transport.vertex_indirect_lux(), float(photopic(reached).mean())
+
+    store, code = store_of_user(), code_key(Budget)
+    if store is None or code is None:
+        indirect, lux = made()
+    else:
+        indirect, lux = store.get(content_key("imported light", key, plane_m, code), made, ())
+    if not lux > 0:
         raise ValueError("no light reaches the floor")
-    return replace(world, indirect_lux=transport.vertex_indirect_lux(), key=world_key("imported", world))
+    return replace(world, indirect_lux=indirect, key=key), lux
 
 
 def _transport(world: World) -> LightTransport:
@@ -189,11 +201,10 @@ def _spacing_m(world: World) -> float:
     return float((area_m2 / _MOST_SITES) ** 0.5)
 
 
-def _on_plane(transport: LightTransport, floor: Floor) -> float:
+def _plane_m(floor: Floor) -> NDArray[np.float32]:
+    """(N, 3) points of the plane on which the illuminance is given [m]."""
     chosen = np.linspace(0, len(floor.points_m) - 1, min(len(floor.points_m), _MOST_PLANE_POINTS)).astype(int)
-    points = (floor.points_m[chosen] + np.array([0, 0, PLANE_HEIGHT_M])).astype(np.float32)
-    up = np.tile(np.array([0, 0, 1], np.float32), (len(points), 1))
-    return float(photopic(transport.direct_lux(points, up) + transport.indirect_lux(points, up)).mean())
+    return (floor.points_m[chosen] + np.array([0, 0, PLANE_HEIGHT_M])).astype(np.float32)
 
 
 def _part(patch: Patch) -> MeshPart:

@@ -18,7 +18,7 @@ from tacos_worlds.imported.floor import Agent, Floor, find_floor, walkable
 from tacos_worlds.imported.formats.file_bytes import Unreadable
 from tacos_worlds.imported.labels import Label, Rule, class_names, label_of, read_table, unused_rules
 from tacos_worlds.imported.lamps import SUN_DISTANCE_M, of_file
-from tacos_worlds.imported.place import Budget, Sources, geometry, illuminance_lux, lit_world
+from tacos_worlds.imported.place import Budget, Sources, geometry, lit_world
 from tacos_worlds.imported.progress import Telling
 from tacos_worlds.imported.reader import Read, read_world
 from tacos_worlds.imported.recorded import read_recorded
@@ -125,10 +125,8 @@ def prepare(config: ImportedSettings) -> Place:
     for remark in found.remarks:
         log.warning("%s", remark)
     telling.done("geometry and floor")
-    world = _lit(config, found)
+    world, lux = _lit(config, found)
     telling.done("light")
-    lux = illuminance_lux(world, found.floor)
-    telling.done("brightness")
     obstacles = tuple(
         i for i, thing in enumerate(found.objects) if i and thing.class_name in config.obstacles
     )
@@ -243,7 +241,7 @@ def _floor(
     )
 
 
-def _lit(config: ImportedSettings, found: Survey) -> World:
+def _lit(config: ImportedSettings, found: Survey) -> tuple[World, float]:
     model, sky = found.read.model, found.sky
     own = () if config.light == "lamps" else tuple(of_file(model.lights, found.read.turn))
     if sky is not None and sky.sun is not None:
@@ -255,7 +253,7 @@ def _lit(config: ImportedSettings, found: Survey) -> World:
     eye_m = float(np.mean(config.camera_height_m))
     budget = Budget(config.triangles, config.texture_memory_mb)
     try:
-        lit = lit_world(
+        lit, lux = lit_world(
             found.patches,
             found.occlusion,
             skins,
@@ -274,4 +272,4 @@ def _lit(config: ImportedSettings, found: Survey) -> World:
                 remedy="Give a sky, or light: both for lamps under the ceilings.",
             )
         ) from error
-    return replace(lit, origin_m=found.read.origin_m, remarks=found.remarks)
+    return replace(lit, origin_m=found.read.origin_m, remarks=found.remarks), lux

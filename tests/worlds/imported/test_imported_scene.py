@@ -65,6 +65,27 @@ def test_light_comes_to_the_illuminance_asked_for(imported: ImportedScene) -> No
     )
 
 
+def test_levels_scale_light_that_is_worked_out_once(
+    imported: ImportedScene, house: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    day, dim = (
+        imported.episode(rng=np.random.default_rng(0), illumination_lux=lux).world for lux in (500.0, 5.0)
+    )
+    assert day.unscaled is dim.unscaled is imported.place.world
+    assert day.light_factor == pytest.approx(100 * dim.light_factor)
+    assert day.key != dim.key != imported.place.world.key
+    monkeypatch.setenv("TACOS_CACHE", str(tmp_path))
+    monkeypatch.setattr("tacos_plugins.kept_worlds.store.WORTH_KEEPING_S", 0.0)
+    first = scene(house).place
+    monkeypatch.setattr("tacos_worlds.imported.place.LightTransport", None)  # nothing is traced
+    kept = scene(house).place
+    assert (
+        (kept.lux, kept.world.key) == (first.lux, first.world.key) == (imported.place.lux, day.unscaled.key)
+    )
+    for one, other in zip(kept.world.indirect_lux, first.world.indirect_lux, strict=True):
+        assert np.array_equal(one, other)
+
+
 def test_thresholds_are_approached_at_the_times_asked_for(house: Path) -> None:
     imported = scene(house, sampling="approaches", before_step_s=(1.5, 0.5), frames=4)
     episode = imported.episode(rng=np.random.default_rng(3), illumination_lux=30.0)

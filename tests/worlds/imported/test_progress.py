@@ -31,8 +31,8 @@ def told(file, triangles, monkeypatch, caplog):
 def test_a_large_file_is_named_with_its_triangles_and_the_time_left(file, monkeypatch, caplog):
     lines = told(file, 3_300_000, monkeypatch, caplog)
     assert lines[:2] == ["house.glb: reading 3 MB", "house.glb: 3,300,000 triangles, read in 2 s"]
-    assert lines[2] == "house.glb, 3,300,000 triangles: geometry and floor done, about 0:00:07 left"
-    assert lines[-1].endswith("brightness done, ready after 6 s")
+    assert lines[2] == "house.glb, 3,300,000 triangles: geometry and floor done, about 0:00:05 left"
+    assert lines[-1].endswith("light done, ready after 4 s")
 
 
 def test_of_a_small_one_only_the_reading_is_said(file, monkeypatch, caplog):

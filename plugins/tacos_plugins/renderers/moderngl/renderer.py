@@ -8,7 +8,7 @@ from typing import Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import Camera, Capture, Episode, Exposure, Rig, Settings, View, setting
+from tacos_framework import Camera, Capture, Episode, Exposure, Rig, Settings, View, World, setting
 from tacos_framework.camera import world_from_camera
 from tacos_plugins.renderers.moderngl.culling import looked_up
 from tacos_plugins.renderers.moderngl.device import Device, device
@@ -103,7 +103,7 @@ class ModernglRenderer:
         used = device()
         used.painters.most_bytes = self._config.worlds_memory_mb * 10**6
         used.faces.most_bytes = self._config.reuse_memory_mb * 10**6
-        painter = used.painter(episode.world, self._config.light_texel_m)
+        painter = used.painter(_as_lit(episode.world), self._config.light_texel_m)
         return Capture(
             episode, tuple(self._view(used, painter, episode, camera, exposure) for camera in rig.cameras)
         )
@@ -113,7 +113,7 @@ class ModernglRenderer:
     ) -> View:
         photographer = self._photographer(used, camera)
         if self._config.reuse == "cube-map" and not episode.movers:  # a cube map shows one moment
-            photographer = self._resampling(used, episode.world.key, camera, photographer)
+            photographer = self._resampling(used, _as_lit(episode.world).key, camera, photographer)
         shots = _shots(painter, episode, camera, episode.time_s)
         size = (camera.height_px, camera.width_px)
         luminance, depth, object_id = [], [], []
@@ -129,7 +129,7 @@ class ModernglRenderer:
         return View(
             camera,
             poses,
-            _stacked(luminance, (*size, 3), np.float32),
+            _scaled(_stacked(luminance, (*size, 3), np.float32), episode.world.light_factor),
             _stacked(depth, size, np.float32),
             _stacked(object_id, size, np.int32),
         )
@@ -167,6 +167,15 @@ class ModernglRenderer:
         """(M,) moments spread evenly over an exposure, from its middle [s]."""
         count = self._config.motion_samples
         return np.asarray(((np.arange(count) + 0.5) / count - 0.5) * exposure.time_s)
+
+
+def _as_lit(world: World) -> World:
+    """The world whose light is worked out: that of all worlds alike but for how strong it is."""
+    return world.unscaled or world
+
+
+def _scaled(luminance: NDArray[np.float32], factor: float) -> NDArray[np.float32]:
+    return luminance if factor == 1 else luminance * np.float32(factor)
 
 
 def _mean_light(
