@@ -7,7 +7,7 @@ from typing import Any
 from tacos_framework.errors import did_you_mean
 from tacos_framework.plan.component import ConfiguredComponent
 from tacos_framework.plan.findings import RecipeFindings
-from tacos_framework.settings import also_called
+from tacos_framework.settings import also_called, with_paths_from
 
 
 def find_rig(findings: RecipeFindings) -> tuple[ConfiguredComponent | None, dict[str, Any]]:
@@ -18,6 +18,7 @@ def find_rig(findings: RecipeFindings) -> tuple[ConfiguredComponent | None, dict
         return None, {}
     variables = cls.Variables.model_fields
     fixed = {name: value for name, value in use.settings.items() if name in variables}
+    fixed = with_paths_from(lambda name: findings.recipe.folder_of(("rig", name)), cls.Variables, fixed)
     known = {name: value for name, value in use.settings.items() if name in cls.Config.model_fields}
     for name in use.settings:
         if name not in variables and name not in cls.Config.model_fields:

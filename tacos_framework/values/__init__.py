@@ -9,10 +9,11 @@ from tacos_framework.values.catalog_part import CatalogPart
 from tacos_framework.values.episode import Crossing, Episode, Mover, Trajectory
 from tacos_framework.values.image_geometry import ContextMissing, ImageContext, ImageGeometry
 from tacos_framework.values.images import Capture, FrameBatch, View
-from tacos_framework.values.lens import Lens, Projection
+from tacos_framework.values.lens import PINHOLE, Lens, Projection
 from tacos_framework.values.world import Light, Material, MeshPart, Object, World
 
 __all__ = [
+    "PINHOLE",
     "BrownConrady",
     "Camera",
     "Candidate",

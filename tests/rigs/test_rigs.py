@@ -11,10 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
+from tacos_framework import PINHOLE
 from tacos_framework.camera.geometry import invert_pose, project
 from tacos_framework.catalog import CatalogPart, load_cameras
 from tacos_plugins.rigs.monocular import MonocularRig
-from tacos_plugins.rigs.mounted_camera import SensorPart, field_of_view_deg, focal_length_for_mm
+from tacos_plugins.rigs.mounted_camera import SensorPart
+from tacos_plugins.rigs.optics import Optics, optics_for
 from tacos_plugins.rigs.stereo import StereoRig
 
 FLEA3 = {"name": "IMX172", "width_px": 4000, "height_px": 3000, "pixel_um": 1.55, "shutter": "rolling"}
@@ -102,7 +104,7 @@ def test_disparity_is_focal_length_times_baseline_over_depth(depth_m, y_m, z_m, 
 def test_field_of_view_and_focal_length_describe_the_same_stereo_camera():
     builder, by_field = stereo(hfov_deg=87)
     derived = builder.derived(by_field)
-    _, by_focal_length = stereo(focal_length_mm=focal_length_for_mm(991 * 1.55e-3, 87))
+    _, by_focal_length = stereo(focal_length_mm=optics_for(991 * 1.55e-3, 87, PINHOLE).focal_length_mm)
     assert derived == pytest.approx(builder.derived(by_focal_length))
     assert derived["hfov_deg"] == pytest.approx(87)
     assert derived["baseline_m"] == 0.12
@@ -130,7 +132,10 @@ def test_the_cameras_the_paper_compares_with(name, baseline_m, hfov_deg, focal_b
         ({"baseline_m": -0.1}, "greater than 0"),
         ({"baseline_m": float("inf")}, "finite"),
         ({"hfov_deg": 0.0}, "greater than 0"),
-        ({"hfov_deg": 180.0}, "less than 180"),
+        (
+            {"hfov_deg": 180.0},
+            "hfov_deg is a field of view of 180 deg, where a rectilinear lens has one below 180",
+        ),
         ({"hfov_deg": float("nan")}, "finite"),
     ],
 )
@@ -178,7 +183,10 @@ def test_a_sensor_may_come_as_a_catalog_part_whose_other_columns_do_not_matter()
 
 @given(size_mm=st.floats(0.1, 50), field_deg=st.floats(1, 170))
 def test_focal_length_and_field_of_view_undo_each_other(size_mm, field_deg):
-    assert field_of_view_deg(size_mm, focal_length_for_mm(size_mm, field_deg)) == pytest.approx(field_deg)
+    optics = optics_for(size_mm, field_deg, PINHOLE)
+    assert optics.field_of_view_deg(size_mm) == pytest.approx(field_deg)
+    assert optics.focal_length_mm == size_mm / (2 * math.tan(math.radians(field_deg) / 2))
+    assert Optics(optics.focal_length_mm).field_of_view_deg(size_mm) == pytest.approx(field_deg)
 
 
 LENS = {"name": "L", "focal_length_mm": 3.6, "f_number_min": 1.8, "image_circle_mm": 9.0, "mount": "C"}

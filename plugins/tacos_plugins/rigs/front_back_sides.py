@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import ClassVar
 
+from pydantic import model_validator
+
 from tacos_framework import Rig, setting
 from tacos_plugins.rigs import several_cameras
 from tacos_plugins.rigs.several_cameras import Outlook, SeveralCamerasConfig, SeveralCamerasVariables
@@ -40,13 +42,19 @@ class FrontBackSidesRig:
         """What a recipe may design or fix."""
 
         front_hfov_deg: float = setting(
-            help="Horizontal field of view of the camera ahead.", unit="deg", gt=0, lt=180
+            help="Horizontal field of view of the camera ahead.", unit="deg", gt=0, lt=360
         )
         other_hfov_deg: float = setting(
-            100.0, help="Horizontal field of view of each other camera.", unit="deg", gt=0, lt=180
+            100.0, help="Horizontal field of view of each other camera.", unit="deg", gt=0, lt=360
         )
         sides: bool = setting(True, help="Whether there is a camera to either side.")
         back: bool = setting(True, help="Whether there is a camera behind.")
+
+        @model_validator(mode="after")
+        def _has_such_fields(self) -> FrontBackSidesRig.Variables:
+            for variable in ("front_hfov_deg", "other_hfov_deg"):
+                self.optics_for(variable, self.read_out.width_mm)
+            return self
 
     derived_quantities: ClassVar[Mapping[str, str]] = {
         **several_cameras.SEVERAL_UNITS,
@@ -83,7 +91,11 @@ class FrontBackSidesRig:
     def _outlooks(self, variables: Variables) -> list[Outlook]:
         """Where the cameras look, that ahead first."""
         other_deg, side_deg = variables.other_hfov_deg, self.config.side_yaw_deg
-        looks = [Outlook("front", 0.0, variables.front_hfov_deg)]
+        lens = variables.projected()
+        looks = [Outlook("front", 0.0, variables.front_hfov_deg, lens)]
         if variables.sides:
-            looks += [Outlook("left", side_deg, other_deg), Outlook("right", -side_deg, other_deg)]
-        return [*looks, Outlook("back", 180.0, other_deg)] if variables.back else looks
+            looks += [
+                Outlook(name, yaw, other_deg, lens)
+                for name, yaw in (("left", side_deg), ("right", -side_deg))
+            ]
+        return [*looks, Outlook("back", 180.0, other_deg, lens)] if variables.back else looks

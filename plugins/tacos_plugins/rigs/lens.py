@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
-from typing import Any
+from dataclasses import replace
+from typing import Any, Literal
 
 from pydantic import ConfigDict, model_validator
 
-from tacos_framework import CatalogPart, Constraint, Settings, setting
+from tacos_framework import CatalogPart, Constraint, Lens, Projection, Settings, setting
+from tacos_plugins.rigs.lens_curve import lens_of_curve
 from tacos_plugins.rigs.mounted_camera import SensorPart
+from tacos_plugins.rigs.optics import Optics
 
 FITS = {"M12": ("M12",), "M8": ("M8",), "CS": ("CS",), "C": ("C", "CS")}
 """Mount of a lens -> mounts of cameras that take it. C and CS share their thread; a C lens sits 17.526 mm
@@ -39,6 +43,48 @@ class LensPart(Settings):
         None, help="Radial distortion at the edge of its image, negative for a barrel, if known.", unit="%"
     )
 
+    projection: Projection | Literal["fisheye"] = setting(
+        "rectilinear",
+        help="Its projection; that of a fisheye of which nobody states it is taken as equidistant.",
+    )
+    coefficients: tuple[float, ...] = setting((), help="Coefficients of the projection, in OpenCV's order.")
+    curve: str | None = setting(
+        None, help="Distance from the image centre against the field angle, as in r/R = 0.64*t - 0.03*t^2."
+    )
+
+    @model_validator(mode="after")
+    def _is_a_lens(self) -> LensPart:
+        self.projected()
+        return self
+
+    def projected(self) -> Optics:
+        """The lens with all that it images; that of a rectilinear one whether its circle is known or not."""
+        if self.curve is not None:
+            scale, lens = lens_of_curve(self.curve)
+            return Optics(scale * self.focal_length_mm, lens)
+        lens = Lens("equidistant" if self.projection == "fisheye" else self.projection, self.coefficients)
+        if self.image_circle_mm is not None and not lens.is_rectilinear:
+            half_rad = float(lens.angle(self.image_circle_mm / 2 / self.focal_length_mm))
+            lens = replace(lens, half_field_deg=None if math.isnan(half_rad) else math.degrees(half_rad))
+        return Optics(self.focal_length_mm, lens)
+
+    def optics(self, sensor: SensorPart, image_circle_deg: float | None = None) -> Optics:
+        """The lens before a sensor: where its image circle is smaller than that, all is dark beyond."""
+        optics = self.projected()
+        half_deg = None if image_circle_deg is None else image_circle_deg / 2
+        if (
+            half_deg is None
+            and optics.lens.is_rectilinear
+            and (self.image_circle_mm or math.inf) < sensor.diagonal_mm
+        ):
+            assert self.image_circle_mm is not None, "less than a diagonal"
+            half_deg = math.degrees(float(optics.lens.angle(self.image_circle_mm / 2 / self.focal_length_mm)))
+        return (
+            optics
+            if half_deg is None
+            else replace(optics, lens=replace(optics.lens, half_field_deg=half_deg))
+        )
+
     @model_validator(mode="before")
     @classmethod
     def _from_catalog(cls, given: Any) -> Any:
@@ -48,8 +94,9 @@ class LensPart(Settings):
 def derived_fit(lens: LensPart, sensor: SensorPart) -> dict[str, float]:
     """The quantities of :data:`LENS_UNITS` that are known.
 
-    ``image_circle_margin_mm`` is the diameter of the image circle less the diagonal of the sensor;
-    ``mount_fits`` 1 where cameras with this sensor are sold with a mount that takes the lens, else 0.
+    ``image_circle_margin_mm`` is the diameter of the image circle less the diagonal of the sensor, but of
+    fisheyes, whose circle may be seen whole; ``mount_fits`` 1 where cameras with this sensor are sold with a
+    mount that takes the lens, else 0.
 
     Examples
     --------
@@ -60,7 +107,7 @@ def derived_fit(lens: LensPart, sensor: SensorPart) -> dict[str, float]:
     found = {}
     if lens.f_number_min is not None:
         found["f_number_min"] = lens.f_number_min
-    if lens.image_circle_mm is not None:
+    if lens.image_circle_mm is not None and lens.projection == "rectilinear":
         found["image_circle_margin_mm"] = lens.image_circle_mm - sensor.diagonal_mm
     if lens.mount is not None and sensor.mounts is not None:
         offered = [mount.strip() for mount in sensor.mounts.split(",")]
@@ -70,7 +117,9 @@ def derived_fit(lens: LensPart, sensor: SensorPart) -> dict[str, float]:
 
 def notes_on_fit(lens: LensPart, sensor: SensorPart) -> Iterator[str]:
     """What somebody who buys the two should know."""
-    if lens.image_circle_mm is None:
+    if lens.projection == "fisheye" and lens.curve is None:
+        yield f"Nobody states the projection of {lens.name}; it is simulated as equidistant."
+    if lens.image_circle_mm is None and lens.curve is None:
         yield (
             f"Nobody states the image circle of {lens.name}: ask for one of at least "
             f"{sensor.diagonal_mm:.1f} mm, the diagonal of {sensor.name}."
@@ -85,6 +134,8 @@ def notes_on_fit(lens: LensPart, sensor: SensorPart) -> Iterator[str]:
         yield f"{lens.name} has mount {lens.mount}; cameras with {sensor.name} are sold for {sensor.mounts}."
     elif lens.mount == "C" and "C" not in [mount.strip() for mount in sensor.mounts.split(",")]:
         yield f"{lens.name} needs a ring of 5 mm on a CS camera."
+    if lens.projection != "rectilinear":
+        return
     if lens.distortion_percent is None:
         yield f"Nobody states the distortion of {lens.name}; images are simulated without any."
     else:

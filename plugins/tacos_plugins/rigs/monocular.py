@@ -8,6 +8,8 @@ from typing import ClassVar
 from pydantic import model_validator
 
 from tacos_framework import Constraint, Rig, setting
+from tacos_plugins.rigs.calibrated import calibrated_optics, refuse_beside
+from tacos_plugins.rigs.calibration_files import CalibratedLens
 from tacos_plugins.rigs.lens import COVERED, LENS_UNITS, LensPart, derived_fit, notes_on_fit
 from tacos_plugins.rigs.mounted_camera import (
     DERIVED_UNITS,
@@ -17,6 +19,7 @@ from tacos_plugins.rigs.mounted_camera import (
     image_coordinates,
     mounted_camera,
 )
+from tacos_plugins.rigs.optics import Optics, notes_on_circle
 
 
 class MonocularRig:
@@ -36,7 +39,7 @@ class MonocularRig:
         """Settings of the rig."""
 
     class Variables(ReadOutVariables):
-        """What a recipe may design or fix; of focal length and lens exactly one."""
+        """What a recipe may design or fix; of focal length, lens and calibration exactly one."""
 
         pitch_deg: float = setting(
             0.0,
@@ -57,15 +60,29 @@ class MonocularRig:
             None, help="Lens: a row of a catalog, or its focal length and what else is known of it."
         )
 
+        calibration: CalibratedLens | None = setting(
+            None,
+            help="Calibration of its lens by OpenCV, ROS or Kalibr, instead of a focal length and a "
+            "projection: a file, or its numbers.",
+            is_path=True,
+        )
+
         @model_validator(mode="after")
         def _one_of_focal_length_and_lens(self) -> MonocularRig.Variables:
+            if self.calibration is not None:
+                refuse_beside(self.calibration, self, "focal_length_mm", "lens")
+                return self
             if (self.focal_length_mm is None) == (self.lens is None):
                 found = "neither" if self.lens is None else "both"
                 raise ValueError(f"give exactly one of focal_length_mm and lens, not {found}")
+            if self.lens is not None:
+                self.lens.optics(self.read_out, self.image_circle_deg)
+            if self.lens is not None and self.projection != "rectilinear":
+                raise ValueError("projection is the lens's own: leave it out, or give a focal_length_mm")
             return self
 
     derived_quantities: ClassVar[Mapping[str, str]] = {**DERIVED_UNITS, **LENS_UNITS}
-    alternatives: ClassVar[tuple[tuple[str, ...], ...]] = (("focal_length_mm", "lens"),)
+    alternatives: ClassVar[tuple[tuple[str, ...], ...]] = (("focal_length_mm", "lens", "calibration"),)
     buildable: ClassVar[tuple[Constraint, ...]] = (COVERED,)
 
     def __init__(self, config: Config) -> None:
@@ -76,7 +93,7 @@ class MonocularRig:
         camera = mounted_camera(
             "camera",
             variables,
-            _focal_length_mm(variables),
+            _optics(variables),
             position_m=(0.0, 0.0, self.config.height_above_eye_m),
             pitch_deg=variables.pitch_deg,
             binning=self.config.binning,
@@ -85,22 +102,25 @@ class MonocularRig:
 
     def derived(self, variables: Variables) -> Mapping[str, float]:
         """Fields of view and sizes of the sensor as manufactured, and how a lens fits it."""
-        optics = derived_optics(variables.read_out, _focal_length_mm(variables))
+        optics = derived_optics(variables.read_out, _optics(variables))
         fit = {} if variables.lens is None else derived_fit(variables.lens, variables.read_out)
         return {**optics, **fit}
 
     def coordinates(self, variables: Variables) -> Mapping[str, float]:
         """What images depend on; see :func:`tacos_plugins.rigs.mounted_camera.image_coordinates`."""
-        return image_coordinates(variables.read_out, _focal_length_mm(variables), variables.pitch_deg)
+        return image_coordinates(variables.read_out, _optics(variables), variables.pitch_deg)
 
     def notes(self, variables: Variables) -> Iterator[str]:
         """What somebody who buys lens and sensor should know."""
         if variables.lens is not None:
             yield from notes_on_fit(variables.lens, variables.read_out)
+        yield from notes_on_circle(_optics(variables), variables.read_out)
 
 
-def _focal_length_mm(variables: MonocularRig.Variables) -> float:
+def _optics(variables: MonocularRig.Variables) -> Optics:
+    if variables.calibration is not None:
+        return calibrated_optics(variables.calibration, variables)
     if variables.lens is not None:
-        return variables.lens.focal_length_mm
-    assert variables.focal_length_mm is not None, "Variables holds exactly one of the two"
-    return variables.focal_length_mm
+        return variables.lens.optics(variables.read_out, variables.image_circle_deg)
+    assert variables.focal_length_mm is not None, "Variables holds exactly one of the three"
+    return Optics(variables.focal_length_mm, variables.projected())

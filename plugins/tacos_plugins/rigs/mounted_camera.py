@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Self
 
 from pydantic import ConfigDict, model_validator
 from pydantic_core import PydanticCustomError
 
-from tacos_framework import Camera, CatalogPart, Electrons, Settings, setting
+from tacos_framework import Camera, CatalogPart, Electrons, Lens, Projection, Settings, setting
 from tacos_framework.camera import agent_from_camera
+from tacos_plugins.rigs.optics import Optics, optics_for
 
 
 class SensorPart(Settings):
@@ -159,6 +160,53 @@ class ReadOutVariables(Settings):
         also=("bin", "binning", "downsample", "downscale"),
     )
 
+    projection: Projection = setting(
+        "rectilinear",
+        help="Projection of the lens: rectilinear up to 140 deg or so, a fisheye's beyond; coefficients come "
+        "with a calibration or a lens.",
+        also=("fisheye", "lens_model", "camera_model"),
+    )
+    image_circle_deg: float | None = setting(
+        None,
+        help="Field of view at which the image circle of the lens ends, and all is dark beyond; by default "
+        "that of its projection.",
+        unit="deg",
+        gt=0,
+        le=360,
+    )
+
+    @model_validator(mode="after")
+    def _has_such_a_circle(self) -> Self:
+        self.projected()
+        return self
+
+    def projected(self) -> Lens:
+        """The lens of the projection.
+
+        Raises
+        ------
+        ValueError
+            Where it has no such image circle.
+        """
+        half_deg = None if self.image_circle_deg is None else self.image_circle_deg / 2
+        try:
+            return Lens(self.projection, half_field_deg=half_deg)
+        except ValueError as error:
+            raise ValueError(f"image_circle_deg is {self.image_circle_deg:g}: {error}") from None
+
+    def optics_for(self, variable: str, size_mm: float) -> Optics:
+        """The optics with the field of view of a variable across a length of the sensor [mm].
+
+        Raises
+        ------
+        ValueError
+            Where the projection has no such field of view.
+        """
+        try:
+            return optics_for(size_mm, getattr(self, variable), self.projected())
+        except ValueError as error:
+            raise ValueError(f"{variable} is {error}") from None
+
     @property
     def read_out(self) -> SensorPart:
         """The pixels that leave the camera: those of the region of interest, as large as they are binned."""
@@ -177,69 +225,23 @@ DERIVED_UNITS = {
 """Names and units of what :func:`derived_optics` gives."""
 
 
-def field_of_view_deg(size_mm: float, focal_length_mm: float) -> float:
-    """The angle a pinhole camera sees across a length of its sensor.
-
-    Parameters
-    ----------
-    size_mm
-        Width, height or diagonal of the sensor [mm].
-    focal_length_mm
-        Focal length [mm].
-
-    Returns
-    -------
-    float
-        Field of view from edge to edge [deg].
-
-    Examples
-    --------
-    >>> round(field_of_view_deg(6.2, 3.6), 2)  # FLIR Flea3
-    81.46
-    """
-    return math.degrees(2 * math.atan(size_mm / (2 * focal_length_mm)))
-
-
-def focal_length_for_mm(size_mm: float, field_deg: float) -> float:
-    """The focal length at which a length of the sensor sees an angle; undoes :func:`field_of_view_deg`.
-
-    Parameters
-    ----------
-    size_mm
-        Width, height or diagonal of the sensor [mm].
-    field_deg
-        Field of view from edge to edge, above 0 and below 180 [deg].
-
-    Returns
-    -------
-    float
-        Focal length [mm].
-
-    Examples
-    --------
-    >>> round(focal_length_for_mm(2.0, 90.0), 12)
-    1.0
-    """
-    return size_mm / (2 * math.tan(math.radians(field_deg) / 2))
-
-
-def derived_optics(sensor: SensorPart, focal_length_mm: float) -> dict[str, float]:
+def derived_optics(sensor: SensorPart, optics: Optics) -> dict[str, float]:
     """The quantities of :data:`DERIVED_UNITS` of one camera, for the pixels that are read out of its sensor.
 
-    Pixels per degree hold at the image centre; a pinhole image has more of them towards its edges.
+    Pixels per degree hold at the image centre; a rectilinear image has more of them towards its edges.
     """
     return {
-        "hfov_deg": field_of_view_deg(sensor.width_mm, focal_length_mm),
-        "vfov_deg": field_of_view_deg(sensor.height_mm, focal_length_mm),
-        "dfov_deg": field_of_view_deg(sensor.diagonal_mm, focal_length_mm),
+        "hfov_deg": optics.field_of_view_deg(sensor.width_mm),
+        "vfov_deg": optics.field_of_view_deg(sensor.height_mm),
+        "dfov_deg": optics.field_of_view_deg(sensor.diagonal_mm),
         "megapixels": sensor.width_px * sensor.height_px * 1e-6,
         "sensor_width_mm": sensor.width_mm,
         "sensor_height_mm": sensor.height_mm,
-        "pixels_per_deg": math.radians(focal_length_mm * 1e3 / sensor.pixel_um),
+        "pixels_per_deg": math.radians(optics.focal_length_mm * 1e3 / sensor.pixel_um),
     }
 
 
-def image_coordinates(sensor: SensorPart, focal_length_mm: float, pitch_deg: float) -> dict[str, float]:
+def image_coordinates(sensor: SensorPart, optics: Optics, pitch_deg: float) -> dict[str, float]:
     """What images of a camera depend on, as numbers along which they change evenly, by the pixels read out.
 
     Angles say what is in view. Pixel counts and pitch count by their ratios: from 1 to 2 um changes noise as
@@ -248,15 +250,15 @@ def image_coordinates(sensor: SensorPart, focal_length_mm: float, pitch_deg: flo
     Examples
     --------
     >>> vga = SensorPart(width_px=640, height_px=480, pixel_um=4.0)
-    >>> {name: round(value, 2) for name, value in image_coordinates(vga, 2.0, -5.0).items()}
+    >>> {name: round(value, 2) for name, value in image_coordinates(vga, Optics(2.0), -5.0).items()}
     ... # doctest: +NORMALIZE_WHITESPACE
     {'pitch_deg': -5.0, 'hfov_deg': 65.24, 'vfov_deg': 51.28,
      'log2_width_px': 9.32, 'log2_height_px': 8.91, 'log2_pixel_um': 2.0}
     """
     return {
         "pitch_deg": pitch_deg,
-        "hfov_deg": field_of_view_deg(sensor.width_mm, focal_length_mm),
-        "vfov_deg": field_of_view_deg(sensor.height_mm, focal_length_mm),
+        "hfov_deg": optics.field_of_view_deg(sensor.width_mm),
+        "vfov_deg": optics.field_of_view_deg(sensor.height_mm),
         "log2_width_px": math.log2(sensor.width_px),
         "log2_height_px": math.log2(sensor.height_px),
         "log2_pixel_um": math.log2(sensor.pixel_um),
@@ -266,7 +268,7 @@ def image_coordinates(sensor: SensorPart, focal_length_mm: float, pitch_deg: flo
 def mounted_camera(
     name: str,
     variables: ReadOutVariables,
-    focal_length_mm: float,
+    optics: Optics,
     *,
     position_m: Sequence[float],
     pitch_deg: float,
@@ -279,6 +281,8 @@ def mounted_camera(
     ----------
     variables
         The sensor, and what is read out of it.
+    optics
+        The lens before it.
     position_m
         Optical centre in the agent frame: forward, left, up [m].
     pitch_deg
@@ -288,14 +292,17 @@ def mounted_camera(
     binning
         Linear factor; the image size is rounded to whole pixels, at least one [1].
     """
+    centre = optics.principal_point_px
     return Camera(
         name=name,
         width_px=max(1, round(variables.read_out.width_px / binning)),
         height_px=max(1, round(variables.read_out.height_px / binning)),
         pixel_um=variables.sensor.pixel_um,
-        focal_length_mm=focal_length_mm,
+        focal_length_mm=optics.focal_length_mm,
         agent_from_camera=agent_from_camera(position_m, pitch_deg, yaw_deg),
         binning=binning * variables.sensor_binning,
+        principal_point_px=centre and ((centre[0] + 0.5) / binning - 0.5, (centre[1] + 0.5) / binning - 0.5),
+        lens=optics.lens,
         sensor_binning=variables.sensor_binning,
         electrons=variables.sensor.electrons,
     )

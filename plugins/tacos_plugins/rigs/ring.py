@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import ClassVar
 
+from pydantic import model_validator
+
 from tacos_framework import Rig, setting
 from tacos_plugins.rigs import several_cameras
 from tacos_plugins.rigs.several_cameras import Outlook, SeveralCamerasConfig, SeveralCamerasVariables
@@ -37,10 +39,15 @@ class RingRig:
         """What a recipe may design or fix."""
 
         cameras: int = setting(help="Number of cameras.", ge=1, le=16)
-        hfov_deg: float = setting(help="Horizontal field of view of each camera.", unit="deg", gt=0, lt=180)
+        hfov_deg: float = setting(help="Horizontal field of view of each camera.", unit="deg", gt=0, lt=360)
         first_yaw_deg: float = setting(
             0.0, help="Turn of the first camera to the left of straight ahead.", unit="deg", ge=-180, le=180
         )
+
+        @model_validator(mode="after")
+        def _has_such_a_field(self) -> RingRig.Variables:
+            self.optics_for("hfov_deg", self.read_out.width_mm)
+            return self
 
     derived_quantities: ClassVar[Mapping[str, str]] = {
         **several_cameras.SEVERAL_UNITS,
@@ -76,8 +83,8 @@ class RingRig:
 
 
 def _outlooks(variables: RingRig.Variables) -> list[Outlook]:
-    spacing_deg = 360 / variables.cameras
+    spacing_deg, lens = 360 / variables.cameras, variables.projected()
     return [
-        Outlook(f"camera_{i + 1}", variables.first_yaw_deg + i * spacing_deg, variables.hfov_deg)
+        Outlook(f"camera_{i + 1}", variables.first_yaw_deg + i * spacing_deg, variables.hfov_deg, lens)
         for i in range(variables.cameras)
     ]

@@ -6,17 +6,17 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from tacos_framework import Rig, setting
+from tacos_framework import PINHOLE, Lens, Rig, setting
 from tacos_plugins.rigs.mounted_camera import (
     DERIVED_UNITS,
     MountSettings,
     ReadOutVariables,
     SensorPart,
     derived_optics,
-    focal_length_for_mm,
     image_coordinates,
     mounted_camera,
 )
+from tacos_plugins.rigs.optics import Optics, optics_for
 
 SEVERAL_UNITS = {
     **DERIVED_UNITS,
@@ -51,15 +51,19 @@ class SeveralCamerasVariables(ReadOutVariables):
 
 @dataclass(frozen=True)
 class Outlook:
-    """Where one camera looks: its name, its turn to the left [deg], its horizontal field of view [deg]."""
+    """Where one camera looks: its name, its turn to the left [deg], its horizontal field of view [deg].
+
+    Its lens has the projection of the rig's.
+    """
 
     name: str
     yaw_deg: float
     hfov_deg: float
+    lens: Lens = PINHOLE
 
-    def focal_length_mm(self, sensor: SensorPart) -> float:
-        """The focal length with which a sensor has this field of view [mm]."""
-        return focal_length_for_mm(sensor.width_mm, self.hfov_deg)
+    def optics(self, sensor: SensorPart) -> Optics:
+        """The optics with which a sensor has this field of view."""
+        return optics_for(sensor.width_mm, self.hfov_deg, self.lens)
 
 
 def outward_rig(
@@ -76,7 +80,7 @@ def outward_rig(
             mounted_camera(
                 each.name,
                 variables,
-                each.focal_length_mm(variables.read_out),
+                each.optics(variables.read_out),
                 position_m=position_m(each.yaw_deg),
                 pitch_deg=variables.pitch_deg,
                 yaw_deg=each.yaw_deg,
@@ -99,7 +103,7 @@ def derived_together(outlooks: Sequence[Outlook], sensor: SensorPart) -> dict[st
     """
     count = len(outlooks)
     together = {
-        **derived_optics(sensor, outlooks[0].focal_length_mm(sensor)),
+        **derived_optics(sensor, outlooks[0].optics(sensor)),
         "cameras": float(count),
         "total_megapixels": count * sensor.width_px * sensor.height_px * 1e-6,
         "covered_deg": covered_deg(outlooks),
@@ -109,8 +113,7 @@ def derived_together(outlooks: Sequence[Outlook], sensor: SensorPart) -> dict[st
 
 def coordinates_of_first(outlooks: Sequence[Outlook], variables: SeveralCamerasVariables) -> dict[str, float]:
     """What images of the first camera depend on; see :func:`image_coordinates` of ``mounted_camera``."""
-    focal_length_mm = outlooks[0].focal_length_mm(variables.read_out)
-    return image_coordinates(variables.read_out, focal_length_mm, variables.pitch_deg)
+    return image_coordinates(variables.read_out, outlooks[0].optics(variables.read_out), variables.pitch_deg)
 
 
 def covered_deg(outlooks: Sequence[Outlook]) -> float:

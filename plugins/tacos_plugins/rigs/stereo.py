@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import ClassVar
 
 from pydantic import model_validator
 
 from tacos_framework import Rig, setting
+from tacos_plugins.rigs.calibrated import calibrated_optics, refuse_beside
+from tacos_plugins.rigs.calibration_files import CalibratedLens
 from tacos_plugins.rigs.mounted_camera import (
     DERIVED_UNITS,
     MountSettings,
     ReadOutVariables,
     derived_optics,
-    focal_length_for_mm,
     image_coordinates,
     mounted_camera,
 )
+from tacos_plugins.rigs.optics import Optics, notes_on_circle
 
 
 class StereoRig:
@@ -52,7 +54,7 @@ class StereoRig:
             help="Horizontal field of view, instead of a focal length.",
             unit="deg",
             gt=0,
-            lt=180,
+            lt=360,
             also=("fov", "hfov"),
         )
         focal_length_mm: float | None = setting(
@@ -61,6 +63,12 @@ class StereoRig:
             unit="mm",
             gt=0,
             also=("vfov", "zoom", "efl"),
+        )
+        calibration: CalibratedLens | None = setting(
+            None,
+            help="Calibration of either lens by OpenCV, ROS or Kalibr (of a chain, its first camera), "
+            "instead of a field of view and a projection: a file, or its numbers.",
+            is_path=True,
         )
         pitch_deg: float = setting(
             0.0,
@@ -73,14 +81,19 @@ class StereoRig:
 
         @model_validator(mode="after")
         def _one_of_field_and_focal_length(self) -> StereoRig.Variables:
+            if self.calibration is not None:
+                refuse_beside(self.calibration, self, "hfov_deg", "focal_length_mm")
+                return self
             given = {"hfov_deg": self.hfov_deg, "focal_length_mm": self.focal_length_mm}
             if sum(value is not None for value in given.values()) != 1:
                 found = ", ".join(f"{name}={value}" for name, value in given.items())
                 raise ValueError(f"give exactly one of hfov_deg and focal_length_mm, not {found}")
+            if self.hfov_deg is not None:
+                self.optics_for("hfov_deg", self.read_out.width_mm)
             return self
 
     derived_quantities: ClassVar[Mapping[str, str]] = {**DERIVED_UNITS, "baseline_m": "m"}
-    alternatives: ClassVar[tuple[tuple[str, ...], ...]] = (("hfov_deg", "focal_length_mm"),)
+    alternatives: ClassVar[tuple[tuple[str, ...], ...]] = (("hfov_deg", "focal_length_mm", "calibration"),)
 
     def __init__(self, config: Config) -> None:
         self.config = config
@@ -93,7 +106,7 @@ class StereoRig:
                 mounted_camera(
                     name,
                     variables,
-                    _focal_length_mm(variables),
+                    _optics(variables),
                     position_m=(0.0, left_m, self.config.height_above_eye_m),
                     pitch_deg=variables.pitch_deg,
                     binning=self.config.binning,
@@ -104,17 +117,22 @@ class StereoRig:
 
     def derived(self, variables: Variables) -> Mapping[str, float]:
         """Fields of view and sizes of one sensor as manufactured, and the baseline."""
-        optics = derived_optics(variables.read_out, _focal_length_mm(variables))
+        optics = derived_optics(variables.read_out, _optics(variables))
         return {**optics, "baseline_m": variables.baseline_m}
+
+    def notes(self, variables: Variables) -> Iterator[str]:
+        """What of the images stays dark."""
+        yield from notes_on_circle(_optics(variables), variables.read_out)
 
     def coordinates(self, variables: Variables) -> Mapping[str, float]:
         """What images of either camera depend on, and the baseline, which counts by its ratios."""
-        one = image_coordinates(variables.read_out, _focal_length_mm(variables), variables.pitch_deg)
+        one = image_coordinates(variables.read_out, _optics(variables), variables.pitch_deg)
         return {"log2_baseline_m": math.log2(variables.baseline_m), **one}
 
 
-def _focal_length_mm(variables: StereoRig.Variables) -> float:
+def _optics(variables: StereoRig.Variables) -> Optics:
+    if variables.calibration is not None:
+        return calibrated_optics(variables.calibration, variables)
     if variables.focal_length_mm is not None:
-        return variables.focal_length_mm
-    assert variables.hfov_deg is not None, "Variables holds exactly one of the two"
-    return focal_length_for_mm(variables.read_out.width_mm, variables.hfov_deg)
+        return Optics(variables.focal_length_mm, variables.projected())
+    return variables.optics_for("hfov_deg", variables.read_out.width_mm)

@@ -1,0 +1,121 @@
+"""Lenses from calibration files: OpenCV's YAML, ROS's camera_info, Kalibr's camera chain."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from tacos_framework import Lens, Projection, Settings, UserError, read_yaml, setting
+from tacos_framework.files import read_text
+
+MOST_UNEVEN = 0.02
+"""Largest relative difference of the focal lengths across and down; pixels are square here."""
+
+_MODELS: Mapping[str, Projection] = {
+    "plumb_bob": "rectilinear",
+    "radtan": "rectilinear",
+    "none": "rectilinear",
+    "equidistant": "kannala-brandt",
+    "fisheye": "kannala-brandt",
+}
+
+
+class CalibratedLens(Settings):
+    """The lens of a camera that was calibrated: a file of OpenCV, ROS or Kalibr, or its numbers."""
+
+    title: str = setting("the calibration", help="What to call it.")
+    width_px: int = setting(help="Width of the images it was calibrated with.", unit="px", ge=1)
+    height_px: int = setting(help="Height of those images.", unit="px", ge=1)
+    focal_length_px: float = setting(help="Focal length on the axis.", unit="px", gt=0)
+    centre_px: tuple[float, float] = setting(help="Principal point (x, y).", unit="px")
+    projection: Projection = setting(help="Its projection.")
+    coefficients: tuple[float, ...] = Field((), description="In OpenCV's order.")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_file(cls, given: Any) -> Any:
+        if not isinstance(given, str):
+            return given
+        try:
+            return read_calibration(Path(given))
+        except UserError as error:
+            found = "; ".join(f"{fault.where}: {fault.what}" for fault in error.faults)
+        except (KeyError, TypeError, ValueError) as error:
+            found = f"{given}: {error}"
+        raise PydanticCustomError(
+            "calibration_file", "a calibration by OpenCV, ROS or Kalibr ({found})", {"found": found}
+        )
+
+    @property
+    def lens(self) -> Lens:
+        """Its projection; the image circle is nobody's claim."""
+        return Lens(self.projection, self.coefficients)
+
+
+def read_calibration(path: Path) -> dict[str, Any]:
+    """The settings of a `CalibratedLens` in a file; of a camera chain the first camera.
+
+    Raises
+    ------
+    UserError
+        When the file cannot be read, or is no YAML.
+    ValueError
+        When something in it is missing, or not a lens that is known here.
+    """
+    text = re.sub(r"\A%YAML[^\n]*\n", "", read_text(path, where=str(path)))  # OpenCV's directive is not YAML
+    data = read_yaml(text.replace("!!opencv-matrix", ""), str(path), aliases=True).data
+    found = _kalibr(data["cam0"]) if "cam0" in data else _opencv_or_ros(data)
+    across, down = found.pop("focal_lengths_px")
+    if abs(across / down - 1) > MOST_UNEVEN:
+        raise ValueError(f"focal lengths {across:g} and {down:g} px, where pixels are square")
+    return {"title": path.name, **found, "focal_length_px": math.sqrt(across * down)}
+
+
+def _kalibr(camera: Mapping[str, Any]) -> dict[str, Any]:
+    _require(camera, "intrinsics", "resolution", "distortion_model", "distortion_coeffs")
+    if camera.get("camera_model", "pinhole") != "pinhole":
+        raise ValueError(f"camera_model {camera['camera_model']!r}, where pinhole is known")
+    across, down, x, y = camera["intrinsics"]
+    width, height = camera["resolution"]
+    return {
+        "width_px": width,
+        "height_px": height,
+        "focal_lengths_px": (across, down),
+        "centre_px": (x, y),
+        **_lens(camera["distortion_model"], camera["distortion_coeffs"]),
+    }
+
+
+def _opencv_or_ros(data: Mapping[str, Any]) -> dict[str, Any]:
+    _require(data, "image_width", "image_height", "camera_matrix", "distortion_coefficients")
+    across, _, x, _, down, y, *_ = data["camera_matrix"]["data"]
+    model = data.get("distortion_model", "fisheye" if data.get("fisheye_model") else "plumb_bob")
+    return {
+        "width_px": data["image_width"],
+        "height_px": data["image_height"],
+        "focal_lengths_px": (across, down),
+        "centre_px": (x, y),
+        **_lens(model, data["distortion_coefficients"]["data"]),
+    }
+
+
+def _lens(model: str, coefficients: Sequence[float]) -> dict[str, Any]:
+    if (projection := _MODELS.get(model)) is None:
+        raise ValueError(f"distortion model {model!r}, where {', '.join(_MODELS)} are known")
+    most = 4 if projection == "kannala-brandt" else 5
+    if any(coefficients[most:]):
+        raise ValueError(
+            f"{len(coefficients)} coefficients of distortion model {model!r}, where {most} are known"
+        )
+    return {"projection": projection, "coefficients": tuple(coefficients[:most])}
+
+
+def _require(data: Mapping[str, Any], *keys: str) -> None:
+    if missing := [key for key in keys if key not in data]:
+        raise ValueError(f"it lacks {', '.join(missing)}")
