@@ -71,7 +71,9 @@ class CaptureCamera(Settings):
         also=("fov", "hfov", "vfov", "zoom", "efl"),
     )
     principal_point_px: tuple[Place, Place] | None = setting(
-        None, help="Principal point in the files; their centre (or the sensor's) if absent.", unit="px"
+        None,
+        help="Principal point in the files; from the boards if absent, else their centre (or the sensor's).",
+        unit="px",
     )
     lens_is_a_start: bool = setting(
         False,

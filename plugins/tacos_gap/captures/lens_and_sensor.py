@@ -10,12 +10,13 @@ FOCAL_LENGTH_MM = 4.0
 
 
 def unstated(camera: CaptureCamera) -> frozenset[str]:
-    """What of the lens is nobody's claim: a centre that goes without saying is one, beside a focal length."""
-    if camera.lens_is_a_start:
-        return frozenset({"focal_length", "principal_point"})
-    if camera.focal_length_mm is not None:
-        return frozenset()
-    return frozenset({"focal_length", *(() if camera.principal_point_px else ("principal_point",))})
+    """What of the lens is not stated; a lens stands a percent off the middle of a sensor unless stated.
+
+    A data sheet states a focal length, and never a principal point.
+    """
+    start = camera.lens_is_a_start
+    stated = (("focal_length", camera.focal_length_mm), ("principal_point", camera.principal_point_px))
+    return frozenset(name for name, value in stated if start or value is None)
 
 
 def filters_of(camera: CaptureCamera, entry: CaptureEntry) -> str | None:

@@ -19,7 +19,9 @@ from tests.gap.small_captures import BLACK_DN, capture, taken
     ("said", "free"),
     [
         ({}, {"focal_length", "principal_point"}),
-        ({"focal_length_mm": 4.0}, set()),
+        ({"focal_length_mm": 4.0}, {"principal_point"}),
+        ({"focal_length_mm": 4.0, "principal_point_px": [320, 240]}, set()),
+        ({"principal_point_px": [320, 240]}, {"focal_length"}),
         ({"focal_length_mm": 4.0, "lens_is_a_start": True}, {"focal_length", "principal_point"}),
     ],
 )

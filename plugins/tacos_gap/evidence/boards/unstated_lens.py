@@ -1,4 +1,4 @@
-"""A focal length that nobody stated, from the boards: where all geometry begins."""
+"""Focal length and principal point that are not stated, from the boards: where all geometry begins."""
 
 from __future__ import annotations
 
@@ -17,6 +17,11 @@ SURE = 0.03
 MUCH_LESS = 0.7
 """Misfit of a fisheye over that of Brown and Conrady's lens, below which the fisheye counts."""
 
+WIDE, AS_GOOD = 1.2, 1.05
+"""Half diagonal over the focal length from which on a fisheye that fits as well, to this factor, counts: a
+lens of straight lines would see 100 degrees. So all cameras of a rig get one model, however far boards reach.
+"""
+
 _ASIDE = 0.05
 
 
@@ -27,11 +32,13 @@ def with_lens_of_boards(captures: Sequence[RealCapture]) -> tuple[tuple[RealCapt
     """
     captures = tuple(captures)
     unstated = captures[0].unstated if captures else frozenset()
-    if "focal_length" not in unstated:
-        return captures, []
     boards = [capture for capture in captures if capture.corners is not None]
-    free = ("focal_length", "principal_point") if "principal_point" in unstated else ("focal_length",)
+    free = tuple(name for name in ("focal_length", "principal_point") if name in unstated)
+    if not free or (not boards and "focal_length" not in free):
+        return captures, []
     found = _calibrated(boards, free)
+    if "focal_length" not in free:
+        return _with_centre(captures, boards, found)
     pixel_um = captures[0].geometry.pixel_um
     if found is None or _focal_spread(boards, found, free) > SURE:
         assumed_mm = captures[0].geometry.focal_length_px * pixel_um * 1e-3
@@ -48,12 +55,34 @@ def with_lens_of_boards(captures: Sequence[RealCapture]) -> tuple[tuple[RealCapt
     return tuple(replace(c, geometry=_with_lens(c.geometry, found)) for c in captures), [said]
 
 
+def _with_centre(
+    captures: tuple[RealCapture, ...], boards: Sequence[RealCapture], found: Calibration | None
+) -> tuple[tuple[RealCapture, ...], list[str]]:
+    """Captures with the principal point of boards that settle it, over a stated focal length."""
+    if found is None or _centre_spread(boards, found) > SURE:
+        return captures, []
+    placed = tuple(
+        replace(c, geometry=_with_lens(c.geometry, replace(found, focal_px=c.geometry.focal_length_px)))
+        for c in captures
+    )
+    x, y = placed[0].geometry.centre_px
+    return placed, [
+        f"principal_point_px is not stated: the boards place it at ({x:.0f}, {y:.0f}) px, and it stays free "
+        f"with every explanation. Nothing is said about it as a cause."
+    ]
+
+
 def _calibrated(boards: Sequence[RealCapture], free: Collection[str]) -> Calibration | None:
     """By Brown and Conrady's model, or a fisheye's where that leaves much less."""
     brown, fisheye = (calibrated(boards, free=free, fisheye=kind) for kind in (False, True))
     if brown and fisheye:
-        return fisheye if fisheye.rms_px < MUCH_LESS * brown.rms_px else brown
+        wide = _half_diagonal_px(boards) > WIDE * fisheye.focal_px
+        return fisheye if fisheye.rms_px < (AS_GOOD if wide else MUCH_LESS) * brown.rms_px else brown
     return brown or fisheye
+
+
+def _half_diagonal_px(boards: Sequence[RealCapture]) -> float:
+    return 0.5 * float(np.hypot(boards[0].geometry.full_width_px, boards[0].geometry.full_height_px))
 
 
 def _focal_spread(boards: Sequence[RealCapture], found: Calibration, free: Collection[str]) -> float:
@@ -63,7 +92,21 @@ def _focal_spread(boards: Sequence[RealCapture], found: Calibration, free: Colle
     """
     other_px = (1 + _ASIDE) * found.focal_px
     held = [replace(c, geometry=replace(c.geometry, focal_length_px=other_px)) for c in boards]
-    other = calibrated(held, free=[name for name in free if name != "focal_length"])
+    return _spread(boards, found, calibrated(held, free=[name for name in free if name != "focal_length"]))
+
+
+def _centre_spread(boards: Sequence[RealCapture], found: Calibration) -> float:
+    """Standard deviation of the principal point over the focal length, in the direction that says less."""
+    spreads = []
+    for aside in ((_ASIDE, 0.0), (0.0, _ASIDE)):
+        moved = replace(found, moved_px=tuple(found.moved_px + np.multiply(aside, found.focal_px)))
+        held = [replace(c, geometry=_with_lens(c.geometry, moved)) for c in boards]
+        spreads.append(_spread(boards, found, calibrated(held)))
+    return max(spreads)
+
+
+def _spread(boards: Sequence[RealCapture], found: Calibration, other: Calibration | None) -> float:
+    """Standard deviation of what another calibration holds `_ASIDE` off the best, by how much worse it is."""
     if other is None or other.rms_px <= found.rms_px:
         return np.inf
     numbers = sum(capture.corners[1].size for capture in boards if capture.corners is not None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,8 @@ from tacos_gap.answer.diagnosis import diagnose
 from tacos_gap.answer.findings import Diagnosis
 from tacos_gap.captures import Board, CaptureFolder, RealCapture
 from tacos_gap.evidence.boards import boards_found, evidence_of_boards
+from tacos_gap.evidence.boards.unstated_lens import _calibrated, with_lens_of_boards
+from tacos_plugins.effects.board_calibration import calibrated
 from tests.gap.evidence.boards.drawn_boards import SQUARES, board_capture, points, pose, seen
 from tests.gap.small_captures import placed
 
@@ -180,6 +183,51 @@ def test_an_unstated_focal_length_is_a_nuisance_and_never_a_cause(effects):
     assert found.causes[0].parameters["k1"].value == pytest.approx(-0.2, abs=0.02)
     told = evidence_of_boards(folder.captures, seed=1)[0].nuisances(())
     assert "focal_length_px" in told
+
+
+def off_centre(captures: Sequence[RealCapture], moved_px: tuple[float, float]) -> list[RealCapture]:
+    """The captures of a lens that stands off the middle of the sensor, which the captures do not state."""
+    return [
+        replace(capture, corners=(capture.corners[0], capture.corners[1] + moved_px))
+        for capture in captures
+        if capture.corners is not None
+    ]
+
+
+@pytest.mark.parametrize("fisheye", [None, (0.03, -0.01, 0.0, 0.0)])
+def test_a_stated_focal_length_leaves_the_principal_point_to_the_boards(fisheye):
+    lens: dict[str, Any] = {"fisheye": fisheye} if fisheye else {"brown": (-0.2, 0.05, 0, 0, 0)}
+    captures = off_centre(views(unstated=("principal_point",), **lens), (14.0, -9.0))
+    found, said = with_lens_of_boards(captures)
+    moved = np.subtract(found[0].geometry.centre_px, captures[0].geometry.centre_px)
+    assert moved == pytest.approx((14.0, -9.0), abs=1.5)
+    assert found[0].geometry.focal_length_px == FOCAL_PX
+    assert said[0].startswith("principal_point_px is not stated: the boards place it at (33")
+    facing = off_centre(
+        views(poses=[((0, 0), 300.0), ((0, 0), 400.0)], unstated=("principal_point",)), (14, -9)
+    )
+    assert with_lens_of_boards(facing) == (tuple(facing), [])
+
+
+def test_two_cameras_of_one_rig_get_one_model():
+    """One saw boards out to its corners, the other in the middle alone, where either model fits."""
+    lens, focal_px = (-0.01, 0.004, 0.0, 0.0), 300.0
+    far, near = 160.0, 420.0
+    wide = views(
+        poses=[(tilt, far) for tilt, _ in VIEWS],
+        true_focal_px=focal_px,
+        fisheye=lens,
+        unstated=("focal_length",),
+    )
+    narrow = views(
+        poses=[(tilt, near) for tilt, _ in VIEWS],
+        true_focal_px=focal_px,
+        fisheye=lens,
+        unstated=("focal_length",),
+    )
+    found = [_calibrated(captures, ("focal_length",)) for captures in (wide, narrow)]
+    by_fisheye = [calibrated(captures, free=("focal_length",), fisheye=True) for captures in (wide, narrow)]
+    assert [each and each.radial for each in found] == [each and each.radial for each in by_fisheye]
 
 
 def test_views_that_face_the_camera_do_not_settle_an_unstated_focal_length():
