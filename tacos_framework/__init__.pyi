@@ -2,6 +2,7 @@
 
 from .cache import LRUCache as LRUCache
 from .cache import content_key as content_key
+from .catalog import CURRENCIES as CURRENCIES
 from .catalog import Catalog as Catalog
 from .catalog import CatalogPart as CatalogPart
 from .catalog import OffTheShelf as OffTheShelf

@@ -23,6 +23,9 @@ from tacos_framework import (
 from tacos_framework.plan import Plan
 from tacos_framework.store import DESIGNED, read_result
 
+_NAMED = 3
+"""Products that a message names of those that fit."""
+
 CameraName = str | Mapping[str, Any] | None
 """A product or a camera of a run by name, values of design variables by theirs, or None for the default."""
 
@@ -109,7 +112,7 @@ def _product(plan: Plan, name: str) -> OffTheShelf:
                 name,
                 f"{product.title} is a camera of {product.rig}, and the recipe has {plan.rig.use}",
                 f"a camera of {plan.rig.use}",
-                f"Name one of {', '.join(fitting)}." if fitting else "Choose a recipe with its rig.",
+                f"Name one of {', '.join(fitting[:_NAMED])}." if fitting else "Choose a recipe with its rig.",
             )
         )
     return product

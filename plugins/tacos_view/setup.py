@@ -91,7 +91,7 @@ class RenderSetup:
         first = self.plan.recipe.scenarios[0]
         name = first.name if isinstance(first, NamedScenario) else ""
         scenario = first.model_copy(update=self._overrides.of_scenario(name))
-        return Exposure(scenario.exposure_ms * 1e-3, scenario.f_number, scenario.gain_db)
+        return self.plan.exposure_in(scenario, self.plan.rig_variables(self.camera.values))
 
     @cached_property
     def sensor(self) -> PlacedSensor:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from tacos_framework.catalog.cameras import OffTheShelf, camera_names, load_cameras
+from tacos_framework.catalog.checks import CURRENCIES
 from tacos_framework.catalog.parts import Catalog, CatalogColumn
 from tacos_framework.catalog.reader import catalog_names, find_catalog, read_catalog
 from tacos_framework.values.catalog_part import CatalogPart, Grade
 
 __all__ = [
+    "CURRENCIES",
     "Catalog",
     "CatalogColumn",
     "CatalogPart",

@@ -1,4 +1,4 @@
-"""Cameras off the shelf, which designs are compared with."""
+"""Cameras off the shelf, which designs are compared with and choose from."""
 
 from __future__ import annotations
 
@@ -6,11 +6,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from tacos_framework.catalog.parts import Catalog
+from tacos_framework.catalog.reader import CAMERAS, read_catalog
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.packaged_resources import find_file, shipped_folder
 from tacos_framework.settings import Settings, check, setting
 from tacos_framework.settings.yaml_document import Document
 from tacos_framework.settings.yaml_reader import read_yaml
+
+PRODUCT = "camera"
+"""The variable of a rig that a whole camera fixes."""
 
 
 class CatalogCamera(Settings):
@@ -36,7 +41,7 @@ class OffTheShelf(CatalogCamera):
     name: str = setting(help="Its name in recipes.")
 
 
-class _Head(Settings):
+class _Cameras(Settings):
     title: str = setting("", help="One line for people.")
     cameras: dict[str, CatalogCamera] = setting(help="The cameras.", min_length=1)
 
@@ -84,7 +89,37 @@ def camera_names(catalog: str | Path = "cameras", folder: Path | None = None) ->
 def _read(catalog: str | Path, folder: Path | None) -> tuple[Document, dict[str, OffTheShelf]]:
     path = find_file(catalog, shipped_folder("catalogs"), folder=folder, noun="catalog of cameras")
     document = read_yaml(path)
-    head, faults, _ = check(_Head, document.data, document.where)
-    if head is None:
+    data = document.data
+    has_rows = isinstance(data, dict) and "parts" in data
+    own = {key: data[key] for key in (CAMERAS,) if key in data} if has_rows else data
+    head, faults, _ = check(_Cameras, own, document.where)
+    if head is None and not (has_rows and CAMERAS not in own):
         raise UserError(faults)
-    return document, {name: OffTheShelf(name=name, **dict(entry)) for name, entry in head.cameras.items()}
+    fixing: dict[str, CatalogCamera] = {} if head is None else head.cameras
+    cameras = {name: OffTheShelf(name=name, **dict(entry)) for name, entry in fixing.items()}
+    products = _products(read_catalog(path)) if has_rows else {}
+    if twice := sorted(cameras.keys() & products.keys()):
+        raise UserError(
+            Fault(document.where(("parts", name)), f"{name} is one of its cameras") for name in twice
+        )
+    return document, {**cameras, **products}
+
+
+def _products(catalog: Catalog) -> dict[str, OffTheShelf]:
+    """The rows whose kind some rig takes, each as the whole camera that it is."""
+    if not catalog.rigs:
+        what = "nothing says which rig takes these cameras"
+        raise UserError(Fault(catalog.name, what, "rigs: {KIND: rig.NAME}, and a column kind"))
+    return {
+        row.name: OffTheShelf(
+            name=row.name,
+            title=str(row.values.get("title") or row.name),
+            maker=str(row.values.get("maker") or "unknown"),
+            rig=rig,
+            fixes={PRODUCT: {name: value for name, value in row.as_dict().items() if value is not None}},
+            sources=tuple(dict.fromkeys(row.provenance.values())),
+            notes=(*row.doubts, *row.notes),
+        )
+        for row in catalog.rows
+        if (rig := catalog.rigs.get(str(row.values.get("kind"))))
+    }

@@ -13,6 +13,9 @@ from tacos_framework.catalog.plausible import implausible
 from tacos_framework.errors import Fault, did_you_mean
 from tacos_framework.values.catalog_part import CatalogPart, Grade, Value
 
+CURRENCIES = ("eur", "usd", "gbp", "chf", "jpy", "cny")
+"""Currencies of prices, as columns end in them (ISO 4217)."""
+
 UNITS = {
     "px": "px",
     "nm": "nm",
@@ -33,8 +36,7 @@ UNITS = {
     "w": "W",
     "fps": "1/s",
     "percent": "%",
-    "eur": "EUR",
-    "usd": "USD",
+    **{currency: currency.upper() for currency in CURRENCIES},
 }
 """The unit that the end of a column's name stands for: ``pixel_um`` is in um."""
 

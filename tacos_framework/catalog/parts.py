@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Literal
 
 from tacos_framework.errors import did_you_mean
 from tacos_framework.values.catalog_part import CatalogPart
+
+Scheme = Literal["quantized", "discrete"]
+"""How optimizers see the rows of a catalog (paper, Sec. 3.3)."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +57,10 @@ class Catalog:
         Where the catalog as a whole comes from.
     design_columns
         The numeric columns that span the space a design moves in, unless the recipe says otherwise.
+    scheme
+        How optimizers see its rows, unless the recipe says otherwise (`CatalogChoice`).
+    rigs
+        Of a catalog of whole cameras, the rig that takes each kind of them.
     """
 
     name: str
@@ -62,6 +69,8 @@ class Catalog:
     rows: tuple[CatalogPart, ...]
     source: str
     design_columns: tuple[str, ...]
+    scheme: Scheme = "quantized"
+    rigs: Mapping[str, str] = field(default_factory=dict, compare=False)
 
     def __post_init__(self) -> None:
         if not self.rows:

@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
+from pydantic import ConfigDict
+
 from tacos_framework.catalog.checks import CatalogCell, PartChecker, RawPart, checked_value, unit_of
-from tacos_framework.catalog.parts import Catalog, CatalogColumn
+from tacos_framework.catalog.parts import Catalog, CatalogColumn, Scheme
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.files import read_csv
 from tacos_framework.packaged_resources import find_file, shipped_folder, shipped_names
 from tacos_framework.settings import Settings, check, setting
 from tacos_framework.settings.yaml_document import Document
 from tacos_framework.settings.yaml_reader import read_yaml
-from tacos_framework.values.catalog_part import Grade
+from tacos_framework.values.catalog_part import CatalogPart, Grade
 
 SIZES = ("width_mm", "height_mm", "pixel_um")
 """What spans the space of image sensors (paper, Sec. 4.3): width, height and pixel pitch."""
 
-_NOT_PARTS = ("cameras",)
+CAMERAS = "cameras"
+"""The catalog of whole cameras: its name, and the key of those that fix variables of a rig."""
+
+_ROWS = ("parts", CAMERAS)
 _RELATIVE_UNITS = ("%", "dB")
 
 
@@ -40,6 +46,16 @@ class SourceEntry(Settings):
     grade: Grade | None = setting(None, help="How far it can be trusted.")
 
 
+class InheritEntry(Settings):
+    """Values a row leaves open that are those of the part it names, as a camera's are its sensor's."""
+
+    model_config = ConfigDict(populate_by_name=True)
+
+    by: str = setting(help="The column with the part's name.")
+    catalogs: tuple[str, ...] = setting(help="Shipped catalogs to look it up in.", alias="from", min_length=1)
+    columns: tuple[str, ...] = setting(help="The columns.", min_length=1)
+
+
 class Head(Settings):
     """A YAML catalog, except for its parts."""
 
@@ -52,6 +68,11 @@ class Head(Settings):
     design_columns: tuple[str, ...] | None = setting(
         None, help="Columns of numbers that span the space a design moves in."
     )
+    scheme: Scheme = setting("quantized", help="How optimizers see the rows, unless a recipe says otherwise.")
+    rigs: dict[str, str] = setting(
+        {}, help="Of whole cameras, the rig that takes each kind, as in {mono: rig.monocular}."
+    )
+    inherits: InheritEntry | None = setting(None, help="Values that rows take from rows of other catalogs.")
 
 
 class PartEntry(Settings):
@@ -73,7 +94,7 @@ class ValueEntry(Settings):
 
 def catalog_names() -> tuple[str, ...]:
     """The names of the catalogs of parts that come with the package."""
-    return tuple(name for name in shipped_names(shipped_folder("catalogs")) if name not in _NOT_PARTS)
+    return tuple(name for name in shipped_names(shipped_folder("catalogs")) if name != CAMERAS)
 
 
 def find_catalog(name: str | Path, folder: Path | None = None) -> Catalog:
@@ -112,7 +133,7 @@ def _from_yaml(name: str, document: Document) -> Catalog:
     if not isinstance(data, dict) or not isinstance(data.get("parts"), dict):
         expected = "a mapping with title, source, columns and parts"
         raise UserError(Fault(document.where(("parts",)), "this is no catalog of parts", expected))
-    head, faults, _ = check(Head, {k: v for k, v in data.items() if k != "parts"}, document.where)
+    head, faults, _ = check(Head, {k: v for k, v in data.items() if k not in _ROWS}, document.where)
     if head is None:
         raise UserError(faults)
     columns = [_column(document, name, entry, faults) for name, entry in head.columns.items()]
@@ -131,9 +152,33 @@ def _from_yaml(name: str, document: Document) -> Catalog:
                 what = f"there is no column of numbers {column_name!r}"
                 where = document.where(("design_columns", i))
                 faults.append(Fault(where, what, "", did_you_mean(column_name, numeric)))
-    return _catalog(
+    found = _catalog(
         name, head.title, head.source, columns, raws, design_columns, faults, document.where(("parts",))
     )
+    rows = found.rows if head.inherits is None else tuple(_inheriting(found.rows, head.inherits))
+    return replace(found, rows=rows, scheme=head.scheme, rigs=head.rigs)
+
+
+def _inheriting(rows: Sequence[CatalogPart], inherits: InheritEntry) -> Iterator[CatalogPart]:
+    """The rows with what the parts they name know, each value with its own source and grade."""
+    known = {part.name: part for name in inherits.catalogs for part in find_catalog(name).rows}
+    for row in rows:
+        part = known.get(str(row.values.get(inherits.by)))
+        taken = [
+            c
+            for c in inherits.columns
+            if part and row.values.get(c) is None and part.values.get(c) is not None
+        ]
+        yield (
+            row
+            if part is None
+            else replace(
+                row,
+                values={**row.values, **{c: part.values[c] for c in taken}},
+                provenance={**row.provenance, **{c: part.provenance[c] for c in taken}},
+                grades={**row.grades, **{c: part.grades[c] for c in taken if c in part.grades}},
+            )
+        )
 
 
 def _column(document: Document, name: str, entry: ColumnEntry, faults: list[Fault]) -> CatalogColumn:

@@ -16,8 +16,10 @@ class RigBuilder(Protocol):
     default must be given by the recipe, as a design variable or as a fixed value under ``rig:``.
 
     Derived quantities that a missing value leaves unknown, such as the margin of an image circle that
-    nobody states, are left out. One that is called ``f_number_min`` is the smallest f-number of the lens: no
-    scenario may open it further.
+    nobody states, are left out. Some have a meaning to the core: ``f_number_min`` is the smallest f-number of
+    the lens, and no scenario may open it further; ``f_number`` is that of a lens which cannot be changed, and
+    stands for that of every scenario; no exposure may be below ``exposure_min_us``; of ``frame_rate_fps``
+    what exposures leave is bounded.
 
     `RigBase` has the optional members.
     """

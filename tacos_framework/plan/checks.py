@@ -9,7 +9,9 @@ from tacos_framework.contracts import TaskBase, optional
 from tacos_framework.errors import UserError, did_you_mean
 from tacos_framework.plan.component import ConfiguredComponent
 from tacos_framework.plan.findings import RecipeFindings
+from tacos_framework.plan.rig import part_class, stand_ins
 from tacos_framework.recipe import NamedScenario, Recipe, Weighted
+from tacos_framework.settings import check
 
 
 def check_scenarios(findings: RecipeFindings) -> None:
@@ -91,6 +93,12 @@ def find_cameras(findings: RecipeFindings, rig: ConfiguredComponent | None) -> t
         findings.adopt(path, error)
         return ()
     for camera in cameras:
+        given = {*camera.fixes, *findings.recipe.keys_of("design"), *findings.recipe.rig.settings}
+        given |= stand_ins(rig, given)
+        for name, info in rig.cls.Variables.model_fields.items():
+            if info.is_required() and name not in given:
+                what = f"camera {camera.name!r} says no {name!r}, and nor does the recipe"
+                findings.add(path, what, info.description or "", "Give it under rig:, or compare another.")
         for name in camera.fixes:
             if name not in rig.cls.Variables.model_fields:
                 findings.add(
@@ -99,4 +107,10 @@ def find_cameras(findings: RecipeFindings, rig: ConfiguredComponent | None) -> t
                     "",
                     "Compare cameras made for this rig.",
                 )
+            elif kind := part_class(rig, name):
+                for fault in check(kind, camera.fixes[name], str)[1]:
+                    what = f"camera {camera.name!r} cannot be simulated: {fault.what}"
+                    findings.add(
+                        path, what, fault.expected, "Compare another, or state it in a catalog of yours."
+                    )
     return tuple(cameras)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -12,9 +13,10 @@ from tacos_framework.plan.camera_fit import check_cameras_fit
 from tacos_framework.plan.cameras import check_camera_names
 from tacos_framework.plan.component import ConfiguredComponent, EffectPart
 from tacos_framework.plan.findings import RecipeFindings
+from tacos_framework.plan.rig import part_class, stand_ins
 from tacos_framework.plan.settable import Settable
 from tacos_framework.recipe import Between, Choose, FromCatalog, Recipe
-from tacos_framework.settings import KeyPath, Settings, check
+from tacos_framework.settings import KeyPath, check
 from tacos_framework.variables.design_space import (
     CatalogChoice,
     Categorical,
@@ -45,8 +47,9 @@ def find_space(
     if rig is None:
         return None
     given = {*fixed, *findings.recipe.keys_of("design")}
+    settled = given | stand_ins(rig, given)
     for name, info in rig.cls.Variables.model_fields.items():
-        if info.is_required() and name not in given:
+        if info.is_required() and name not in settled:
             findings.add(
                 ("rig",),
                 f"{rig.use} needs {name!r}",
@@ -58,7 +61,10 @@ def find_space(
     space = DesignSpace(tuple(variables))
     if _lack_columns(findings, rig, space):
         return None
-    _check_corners(findings, rig, fixed, space, given)
+    space = DesignSpace([_of_fit_parts(findings, rig, variable) for variable in space.variables])
+    if any(isinstance(variable, CatalogChoice) and not variable.rows for variable in space.variables):
+        return None
+    _check_corners(findings, rig, fixed, space, settled)
     if not findings.faults:
         check_camera_names(findings, rig, fixed, space, nodes, effects)
     if not findings.faults:
@@ -81,7 +87,7 @@ def _variable(findings: RecipeFindings, name: str, entry: Any, unit: str) -> Var
             return Categorical(name, entry.choose)
         if isinstance(entry, FromCatalog):
             catalog = find_catalog(entry.catalog, folder=findings.recipe.folder_of(path))
-            return CatalogChoice(name, catalog, entry.scheme, entry.columns, entry.distance)
+            return CatalogChoice(name, catalog, entry.scheme or catalog.scheme, entry.columns, entry.distance)
     except UserError as error:
         findings.adopt(path, error)
     except ValueError as error:
@@ -89,17 +95,31 @@ def _variable(findings: RecipeFindings, name: str, entry: Any, unit: str) -> Var
     return None
 
 
+def _of_fit_parts(findings: RecipeFindings, rig: ConfiguredComponent, variable: Variable) -> Variable:
+    """The variable without the parts that the rig cannot take; a fault where it takes none."""
+    kind = part_class(rig, variable.name)
+    if kind is None or not isinstance(variable, CatalogChoice):
+        return variable
+    unfit = {}
+    for row in variable.rows:
+        known = {name: value for name, value in row.as_dict().items() if value is not None}
+        if faults := check(kind, known, str)[1]:
+            unfit[row.name] = faults[0].what
+    if len(unfit) == len(variable.rows):
+        name, reason = next(iter(unfit.items()))
+        what = f"{rig.use} takes no part of {variable.catalog.name}; of {name}, {reason}"
+        findings.add(
+            ("design", variable.name, "from"), what, "", "Choose from another catalog, or another rig."
+        )
+    return replace(variable, unfit=unfit)
+
+
 def _lack_columns(findings: RecipeFindings, rig: ConfiguredComponent, space: DesignSpace) -> bool:
     """True if a catalog lacks a column that the rig needs of each part."""
     lacking = False
     for variable in space.variables:
-        info = rig.cls.Variables.model_fields.get(variable.name)
-        kind = info.annotation if info else None
-        if (
-            not isinstance(variable, CatalogChoice)
-            or not isinstance(kind, type)
-            or not issubclass(kind, Settings)
-        ):
+        kind = part_class(rig, variable.name)
+        if kind is None or not isinstance(variable, CatalogChoice):
             continue
         columns = {"name", *(column.name for column in variable.catalog.columns)}
         for name, field in kind.model_fields.items():
@@ -119,11 +139,11 @@ def _check_corners(
     rig: ConfiguredComponent,
     fixed: Mapping[str, Any],
     space: DesignSpace,
-    given: set[str],
+    settled: set[str],
 ) -> None:
     """Try the ends of the space on the rig, so that bad bounds and fixed values show now."""
     variables = rig.cls.Variables
-    if any(info.is_required() and name not in given for name, info in variables.model_fields.items()):
+    if any(info.is_required() and name not in settled for name, info in variables.model_fields.items()):
         return
     seen: set[str] = set()
     for values in _corners(space):

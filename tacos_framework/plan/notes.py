@@ -48,13 +48,15 @@ def notes_on_search(plan: Plan) -> Iterator[str]:
 
 
 def notes_on_catalogs(plan: Plan) -> Iterator[str]:
-    """On parts that cannot be chosen, as a number is unknown."""
+    """On parts that cannot be chosen, by the reason."""
     for variable in _catalog_choices(plan):
-        if left_out := [part.name for part in variable.left_out]:
-            columns = ", ".join(variable.design_columns)
+        by_reason: dict[str, list[str]] = {}
+        for name, reason in variable.reasons.items():
+            by_reason.setdefault(reason, []).append(name)
+        for reason, names in sorted(by_reason.items(), key=lambda item: -len(item[1])):
             yield (
-                f"Parts that cannot be chosen, since a number is unknown in {columns}: "
-                f"{_first_of(left_out)} ({variable.catalog.name})."
+                f"{len(names)} of {len(variable.catalog.rows)} parts of {variable.catalog.name} cannot be "
+                f"chosen, {reason}: {_first_of(names)}."
             )
 
 

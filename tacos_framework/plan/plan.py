@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,12 +14,22 @@ from tacos_framework.graph import Graph
 from tacos_framework.plan.component import ConfiguredComponent, EffectPart
 from tacos_framework.plan.targets import Target, target_of
 from tacos_framework.quantities import Breach, Constraint, Objective, quantity
-from tacos_framework.recipe import Recipe
+from tacos_framework.recipe import Recipe, Scenario
 from tacos_framework.settings import Settings
+from tacos_framework.values import Exposure
 from tacos_framework.variables.design_space import CatalogChoice, DesignSpace
 
 F_NUMBER_MIN = "f_number_min"
 """The derived quantity of a rig that says how far its lens opens, where it knows its lens."""
+
+F_NUMBER = "f_number"
+"""That of a lens that cannot be changed, as in a product: it stands for the f-number of every scenario."""
+
+EXPOSURE_MIN = "exposure_min_us"
+"""That of the shortest exposure a camera can take [us]."""
+
+FRAME_RATE = "frame_rate_fps"
+"""That of the most frames a camera takes per second, if exposures are short enough [1/s]."""
 
 REFUSED: Mapping[str, float] = {"rig": 1.0}
 """What a candidate breaks that the rig refuses; there is no telling by how much."""
@@ -91,15 +101,18 @@ class Plan:
             What the rig derives from them.
         """
         values = {**self._still_fixed(values), **values}
+        kept = self._kept_by_exposures(values, derived)
         choices = [v.name for v in self.space.variables if isinstance(v, CatalogChoice)]
         whole = any(name not in values for name in choices)  # a product, which somebody has built already
         found = []
-        for constraint in (*self.constraints, *self._widest_aperture(values)):
+        for constraint in (*self.constraints, *self._of_scenarios(values)):
             if whole:
                 constraint = replace(constraint, unknown="allow")
+            if constraint.quantity == FRAME_RATE and kept != derived:
+                constraint = replace(constraint, because="exposures leave no more")
             part = values.get(constraint.quantity.partition(".")[0])
             name = part.get("name", "") if isinstance(part, Mapping) else ""
-            found.append(constraint.breach(quantity(constraint.quantity, values, derived), name))
+            found.append(constraint.breach(quantity(constraint.quantity, values, kept), name))
         return tuple(breach for breach in found if breach is not None)
 
     def broken(self, values: Mapping[str, Any], derived: Mapping[str, float]) -> dict[str, float]:
@@ -113,20 +126,45 @@ class Plan:
 
     def derived(self, values: Mapping[str, Any]) -> dict[str, float]:
         """Quantities that the rig derives from plain values; raises as `rig_variables` does."""
-        variables = self.rig_variables(values)
+        return self.derived_of(self.rig_variables(values))
+
+    def derived_of(self, variables: Settings) -> dict[str, float]:
+        """Quantities that the rig derives from its variables."""
         with self.rig.calling("derived"):
             return dict(self.rig.instance.derived(variables))
 
-    def _widest_aperture(self, values: Mapping[str, Any]) -> tuple[Constraint, ...]:
-        """A lens must open as far as every scenario says, designed f-numbers among them."""
-        everywhere = values.get("scenario.f_number")
-        named = [
-            (getattr(scenario, "name", ""), scenario.f_number if everywhere is None else everywhere)
+    def exposure_in(self, scenario: Scenario, variables: Settings) -> Exposure:
+        """How a camera is exposed in a scenario: with its own f-number, where its lens has but one."""
+        f_number = self.derived_of(variables).get(F_NUMBER, scenario.f_number)
+        return Exposure(scenario.exposure_ms * 1e-3, f_number, scenario.gain_db)
+
+    def _of_scenarios(self, values: Mapping[str, Any]) -> Iterator[Constraint]:
+        """A camera must open as far, and expose as briefly, as every scenario says."""
+        f_number = min(self._in_scenarios("f_number", values))
+        yield Constraint(F_NUMBER_MIN, max=f_number, because=f"exposures are taken at f/{f_number:g}")
+        if self.exposure is None:
+            shortest_ms = min(self._in_scenarios("exposure_ms", values))
+            yield Constraint(
+                EXPOSURE_MIN, max=shortest_ms * 1e3, because=f"an exposure is {shortest_ms:g} ms"
+            )
+
+    def _kept_by_exposures(self, values: Mapping[str, Any], derived: Mapping[str, float]) -> dict[str, float]:
+        """The derived quantities with the frame rate that exposures leave, each within a frame."""
+        if self.exposure is not None or FRAME_RATE not in derived:
+            return dict(derived)
+        longest_ms = max(self._in_scenarios("exposure_ms", values))
+        return {**derived, FRAME_RATE: min(derived[FRAME_RATE], 1e3 / longest_ms)}
+
+    def _in_scenarios(self, key: str, values: Mapping[str, Any]) -> list[float]:
+        """A setting in each scenario, as it is designed where it is."""
+        everywhere = values.get(f"scenario.{key}")
+        return [
+            values.get(
+                f"scenario.{getattr(scenario, 'name', '')}.{key}",
+                getattr(scenario, key) if everywhere is None else everywhere,
+            )
             for scenario in self.recipe.scenarios
         ]
-        f_number = min(values.get(f"scenario.{name}.f_number", given) for name, given in named)
-        because = f"exposures are taken at f/{f_number:g}"
-        return (Constraint(F_NUMBER_MIN, max=f_number, because=because),)
 
     def free_of(self, camera: OffTheShelf) -> DesignSpace:
         """The variables that an off-the-shelf camera leaves free."""

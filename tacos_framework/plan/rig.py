@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, get_args
 
+from tacos_framework.contracts import RigBase, optional
 from tacos_framework.errors import did_you_mean
 from tacos_framework.plan.component import ConfiguredComponent
 from tacos_framework.plan.findings import RecipeFindings
-from tacos_framework.settings import also_called, with_paths_from
+from tacos_framework.settings import Settings, also_called, with_paths_from
 
 
 def find_rig(findings: RecipeFindings) -> tuple[ConfiguredComponent | None, dict[str, Any]]:
@@ -36,3 +37,16 @@ def find_rig(findings: RecipeFindings) -> tuple[ConfiguredComponent | None, dict
                 ("rig", name), f"{name!r} is fixed here and designed under design:", "one of the two"
             )
     return findings.configured(cls, use.use, known, ("rig",)), fixed
+
+
+def part_class(rig: ConfiguredComponent, variable: str) -> type[Settings] | None:
+    """What a rig makes of a part, where that variable of it is one."""
+    info = rig.cls.Variables.model_fields.get(variable)
+    kinds = get_args(info.annotation) or (info.annotation,) if info else ()
+    return next((kind for kind in kinds if isinstance(kind, type) and issubclass(kind, Settings)), None)
+
+
+def stand_ins(rig: ConfiguredComponent, given: set[str]) -> set[str]:
+    """Variables that need not be given, as others stand for them: a sensor for the camera it is in."""
+    groups = optional(rig.cls, RigBase, "alternatives")
+    return {name for group in groups if not given.isdisjoint(group) for name in group}

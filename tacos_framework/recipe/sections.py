@@ -83,8 +83,9 @@ class FromCatalog(Settings):
     model_config = ConfigDict(populate_by_name=True)
 
     catalog: str = setting(help="Name of a shipped catalog, or a path beside the recipe.", alias="from")
-    scheme: Literal["quantized", "discrete"] = setting(
-        "quantized", help="How the optimizer sees the rows (paper, Sec. 3.3)."
+    scheme: Literal["quantized", "discrete"] | None = setting(
+        None,
+        help="How the optimizer sees the rows (paper, Sec. 3.3); by default as the catalog says.",
     )
     columns: tuple[str, ...] | None = setting(
         None, help="Columns that span the quantized space; those of the catalog's own choice if absent."

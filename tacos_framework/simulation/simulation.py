@@ -24,7 +24,7 @@ from tacos_framework.simulation.evaluation import Evaluation, failed_by, with_fi
 from tacos_framework.simulation.overrides import SettingOverrides, overrides_of
 from tacos_framework.simulation.scores import score
 from tacos_framework.simulation.training import RenderedFrames, rendered_ahead, train
-from tacos_framework.values import Episode, Exposure, FrameBatch
+from tacos_framework.values import Episode, FrameBatch
 
 KEPT_BYTES = 2**30
 """Memory the worlds of a simulation may take that are kept for candidates to come [bytes]."""
@@ -237,7 +237,7 @@ class Simulation:
         for given in plan.recipe.scenarios:
             name = given.name if isinstance(given, NamedScenario) else ""
             scenario = given.model_copy(update=overrides.of_scenario(name))
-            exposure = Exposure(scenario.exposure_ms * 1e-3, scenario.f_number, scenario.gain_db)
+            exposure = plan.exposure_in(scenario, variables)
             contexts[name] = EvaluationContext(
                 plan=plan,
                 rig=rig,

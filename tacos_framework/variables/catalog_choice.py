@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal
 
@@ -37,10 +37,12 @@ class CatalogChoice:
         ``plain`` is the paper's, which adds squared millimetres and micrometres.
     excluded
         Names of parts that may not be chosen, as a constraint on one of their columns rules them out.
+    unfit
+        Parts that nothing can be built from, and why.
 
     Notes
     -----
-    Parts without a known number in every one of the columns cannot be chosen; `left_out` holds them.
+    Parts without a known number in every one of the columns cannot be chosen either; `reasons` holds both.
     """
 
     name: str
@@ -49,6 +51,7 @@ class CatalogChoice:
     columns: tuple[str, ...] | None = None
     distance: Literal["normalised", "plain"] = "normalised"
     excluded: frozenset[str] = frozenset()
+    unfit: Mapping[str, str] = field(default_factory=dict, compare=False)
 
     def __post_init__(self) -> None:
         if self.scheme not in ("quantized", "discrete"):
@@ -87,14 +90,23 @@ class CatalogChoice:
     @cached_property
     def rows(self) -> tuple[CatalogPart, ...]:
         """The parts to choose from, ordered by area."""
-        known = self.catalog.rows_knowing(self.design_columns)
-        return tuple(sorted((row for row in known if row.name not in self.excluded), key=self._order))
+        barred = {*self.reasons, *self.excluded}
+        return tuple(sorted((row for row in self.catalog.rows if row.name not in barred), key=self._order))
+
+    @cached_property
+    def reasons(self) -> dict[str, str]:
+        """Why each part that cannot be chosen cannot, whatever the constraints say."""
+        found = {}
+        for row in self.catalog.rows:
+            unknown = [column for column in self.design_columns if row.values.get(column) is None]
+            if unknown or row.name in self.unfit:
+                found[row.name] = f"{' and '.join(unknown)} unknown" if unknown else self.unfit[row.name]
+        return found
 
     @property
     def left_out(self) -> tuple[CatalogPart, ...]:
-        """Parts of the catalog that cannot be chosen, as a number is unknown."""
-        known = self.catalog.rows_knowing(self.design_columns)
-        return tuple(part for part in self.catalog.rows if part not in known)
+        """Parts of the catalog that cannot be chosen, for one of the `reasons`."""
+        return tuple(part for part in self.catalog.rows if part.name in self.reasons)
 
     def _order(self, row: CatalogPart) -> tuple[float, tuple[float, ...], str]:
         """Area where the part has one, then the columns in turn, then the name."""

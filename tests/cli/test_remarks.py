@@ -31,7 +31,7 @@ def test_equal_doubts_are_one_line_and_the_list_is_short(monkeypatch):
     assert len(others) == 6
 
 
-@pytest.mark.parametrize(("options", "lines"), [([], 8), (["--verbose"], 22)])
+@pytest.mark.parametrize(("options", "lines"), [([], 8), (["--verbose"], 23)])
 def test_the_shipped_catalog_of_sensors_fits_a_screen(capsys, options, lines):
     assert main(["headset_quick", "--check", *options]) == 0
     said = capsys.readouterr().out.splitlines()

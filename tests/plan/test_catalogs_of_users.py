@@ -32,7 +32,9 @@ def test_a_path_on_the_command_line_starts_where_it_is_typed(
     (here / "mine.csv").write_text(SENSORS)
     assert run_main(["headset_quick", "--set", "design.sensor.from=mine.csv", "--check"]) == 0
     said = capsys.readouterr().out
-    assert "a number is unknown in width_mm, height_mm, pixel_um: unknown (mine)" in said
+    assert (
+        "1 of 3 parts of mine cannot be chosen, width_mm and height_mm and pixel_um unknown: unknown." in said
+    )
 
 
 def test_a_missing_column_is_told_with_the_catalog_and_the_option(here: Path) -> None:

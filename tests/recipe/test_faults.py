@@ -240,7 +240,7 @@ def test_a_sensor_that_knows_enough_of_no_camera_says_what_it_lacks(toys):
     further = EMVA.replace("{from: image_sensors}", "{from: image_sensors_more, scheme: discrete}")
     (fault,) = faults_of(further, toys)
     assert fault.startswith("r.yaml:15:3: sensor.emva does not know dark_current_e_s (electrons per second")
-    assert "of 15 tried there is none" in fault
+    assert "of 47 tried there is none" in fault
     assert "Give the missing figures as settings of the node" in fault
 
 

@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import ConfigDict, model_validator
 
-from tacos_framework import CatalogPart, Constraint, Lens, Projection, Settings, setting
+from tacos_framework import Constraint, Lens, Projection, setting
 from tacos_plugins.rigs.lens_curve import lens_of_curve
 from tacos_plugins.rigs.mounted_camera import SensorPart
 from tacos_plugins.rigs.optics import Optics
+from tacos_plugins.rigs.priced_part import PricedPart
 
 FITS = {"M12": ("M12",), "M8": ("M8",), "CS": ("CS",), "C": ("C", "CS")}
 """Mount of a lens -> mounts of cameras that take it. C and CS share their thread; a C lens sits 17.526 mm
@@ -27,7 +28,7 @@ COVERED = Constraint(
 """Without it, the corners of the image stay dark."""
 
 
-class LensPart(Settings):
+class LensPart(PricedPart):
     """The columns of a lens catalog a rig needs; a row's other columns are ignored."""
 
     model_config = ConfigDict(extra="ignore")
@@ -43,6 +44,7 @@ class LensPart(Settings):
         None, help="Radial distortion at the edge of its image, negative for a barrel, if known.", unit="%"
     )
 
+    mass_g: float | None = setting(None, help="Mass, if known.", unit="g", gt=0)
     projection: Projection | Literal["fisheye"] = setting(
         "rectilinear",
         help="Its projection; that of a fisheye of which nobody states it is taken as equidistant.",
@@ -84,11 +86,6 @@ class LensPart(Settings):
             if half_deg is None
             else replace(optics, lens=replace(optics.lens, half_field_deg=half_deg))
         )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _from_catalog(cls, given: Any) -> Any:
-        return given.as_dict() if isinstance(given, CatalogPart) else given
 
 
 def derived_fit(lens: LensPart, sensor: SensorPart) -> dict[str, float]:

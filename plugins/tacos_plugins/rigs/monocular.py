@@ -10,6 +10,7 @@ from pydantic import model_validator
 from tacos_framework import Constraint, Rig, setting
 from tacos_plugins.rigs.calibrated import calibrated_optics, refuse_beside
 from tacos_plugins.rigs.calibration_files import CalibratedLens
+from tacos_plugins.rigs.costs import COST_UNITS, derived_costs
 from tacos_plugins.rigs.lens import COVERED, LENS_UNITS, LensPart, derived_fit, notes_on_fit
 from tacos_plugins.rigs.mounted_camera import (
     DERIVED_UNITS,
@@ -20,6 +21,12 @@ from tacos_plugins.rigs.mounted_camera import (
     mounted_camera,
 )
 from tacos_plugins.rigs.optics import Optics, notes_on_circle
+from tacos_plugins.rigs.product import (
+    ProductPart,
+    notes_on_product,
+    refuse_beside_product,
+    with_parts_of_product,
+)
 
 
 class MonocularRig:
@@ -39,7 +46,7 @@ class MonocularRig:
         """Settings of the rig."""
 
     class Variables(ReadOutVariables):
-        """What a recipe may design or fix; of focal length, lens and calibration exactly one."""
+        """What a recipe may design or fix; of focal length, lens, calibration and camera exactly one."""
 
         pitch_deg: float = setting(
             0.0,
@@ -66,9 +73,17 @@ class MonocularRig:
             "projection: a file, or its numbers.",
             is_path=True,
         )
+        camera: ProductPart | None = setting(
+            None, help="A whole camera with its sensor and lens: a row of a catalog, or what is known of it."
+        )
+
+        _parts_of_product = model_validator(mode="before")(with_parts_of_product)
 
         @model_validator(mode="after")
         def _one_of_focal_length_and_lens(self) -> MonocularRig.Variables:
+            if self.camera is not None:
+                refuse_beside_product(self, "focal_length_mm", "lens", "calibration")
+                return self
             if self.calibration is not None:
                 refuse_beside(self.calibration, self, "focal_length_mm", "lens")
                 return self
@@ -81,8 +96,11 @@ class MonocularRig:
                 raise ValueError("projection is the lens's own: leave it out, or give a focal_length_mm")
             return self
 
-    derived_quantities: ClassVar[Mapping[str, str]] = {**DERIVED_UNITS, **LENS_UNITS}
-    alternatives: ClassVar[tuple[tuple[str, ...], ...]] = (("focal_length_mm", "lens", "calibration"),)
+    derived_quantities: ClassVar[Mapping[str, str]] = {**DERIVED_UNITS, **LENS_UNITS, **COST_UNITS}
+    alternatives: ClassVar[tuple[tuple[str, ...], ...]] = (
+        ("focal_length_mm", "lens", "calibration", "camera"),
+        ("sensor", "camera"),
+    )
     buildable: ClassVar[tuple[Constraint, ...]] = (COVERED,)
 
     def __init__(self, config: Config) -> None:
@@ -101,26 +119,31 @@ class MonocularRig:
         return Rig((camera,))
 
     def derived(self, variables: Variables) -> Mapping[str, float]:
-        """Fields of view and sizes of the sensor as manufactured, and how a lens fits it."""
+        """Fields of view and sizes of the sensor as manufactured, how a lens fits it, and what it costs."""
         optics = derived_optics(variables.read_out, _optics(variables))
         fit = {} if variables.lens is None else derived_fit(variables.lens, variables.read_out)
-        return {**optics, **fit}
+        costs = derived_costs(variables, self.config, product=variables.camera, lens=variables.lens)
+        return {**optics, **fit, **costs}
 
     def coordinates(self, variables: Variables) -> Mapping[str, float]:
         """What images depend on; see :func:`tacos_plugins.rigs.mounted_camera.image_coordinates`."""
         return image_coordinates(variables.read_out, _optics(variables), variables.pitch_deg)
 
     def notes(self, variables: Variables) -> Iterator[str]:
-        """What somebody who buys lens and sensor should know."""
+        """What somebody who buys lens and sensor, or a whole camera, should know."""
+        if variables.camera is not None:
+            yield from notes_on_product(variables.camera)
         if variables.lens is not None:
             yield from notes_on_fit(variables.lens, variables.read_out)
         yield from notes_on_circle(_optics(variables), variables.read_out)
 
 
 def _optics(variables: MonocularRig.Variables) -> Optics:
+    if variables.camera is not None:
+        return variables.camera.optics(variables.image_circle_deg)
     if variables.calibration is not None:
         return calibrated_optics(variables.calibration, variables)
     if variables.lens is not None:
         return variables.lens.optics(variables.read_out, variables.image_circle_deg)
-    assert variables.focal_length_mm is not None, "Variables holds exactly one of the three"
+    assert variables.focal_length_mm is not None, "Variables holds exactly one of the four"
     return Optics(variables.focal_length_mm, variables.projected())

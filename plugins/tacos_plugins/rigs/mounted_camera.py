@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import ConfigDict, model_validator
+from pydantic import ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from tacos_framework import Camera, CatalogPart, Electrons, Lens, Projection, Settings, setting
+from tacos_framework import CURRENCIES, Camera, Electrons, Lens, Projection, Settings, setting
 from tacos_framework.camera import agent_from_camera
 from tacos_plugins.rigs.optics import Optics, optics_for
+from tacos_plugins.rigs.priced_part import PricedPart
 
 
-class SensorPart(Settings):
+class SensorPart(PricedPart):
     """The columns of a sensor catalog a rig needs; a row's other columns are ignored."""
 
     model_config = ConfigDict(extra="ignore")
@@ -39,15 +40,30 @@ class SensorPart(Settings):
     power_w: float | None = setting(
         None, help="Power of a camera that is sold with it, if known.", unit="W", gt=0
     )
+    row_time_us: float | None = setting(
+        None, help="Time from the read-out of a row to the next, if known.", unit="us", gt=0
+    )
+    frame_lines: int | None = setting(None, help="Rows of a frame and of its blanking, if known.", ge=1)
+    max_fps: float | None = setting(
+        None, help="Most frames per second of all its pixels, if known.", unit="1/s", gt=0
+    )
+    frame_rate_fps: float | None = setting(
+        None, help="The same of a camera that is sold with it, if known.", unit="1/s", gt=0
+    )
+    min_exposure_us: float | None = setting(None, help="Shortest exposure, if known.", unit="us", gt=0)
+    bit_depth: str | None = setting(
+        None, help="Bits per sample it puts out, if known; the most of several modes count, as in 10/12."
+    )
+    camera_mass_g: float | None = setting(
+        None, help="Mass of a camera that is sold with it, without lens, if known.", unit="g", gt=0
+    )
     mounts: str | None = setting(
         None, help="Lens mounts of cameras that are sold with it, as in C, CS, M12; if known."
     )
 
     @model_validator(mode="before")
     @classmethod
-    def _from_catalog(cls, given: Any) -> Any:
-        if isinstance(given, CatalogPart):
-            return given.as_dict()
+    def _with_units(cls, given: Any) -> Any:
         if isinstance(given, Mapping):
             units = {name.rpartition("_")[0]: name for name in cls.model_fields if "_" in name}
             if column := next((name for name in given if name in units), None):  # would be ignored
@@ -128,6 +144,15 @@ class MountSettings(Settings):
     )
     height_above_eye_m: float = setting(
         0.0, help="Height of the optical centres above the agent's eye.", unit="m"
+    )
+    bits_per_pixel: float | None = setting(
+        None,
+        help="Bits a pixel takes on the link, for the bandwidth, as of coded images; the part's bit depth if "
+        "absent.",
+        gt=0,
+    )
+    per_euro: dict[Literal[CURRENCIES], Annotated[float, Field(gt=0)]] = setting(  # type: ignore[valid-type]
+        {}, help="What a euro is in other currencies, so that prices can be added, as in {usd: 1.1}."
     )
 
 

@@ -11,6 +11,7 @@ from pydantic import model_validator
 from tacos_framework import Rig, setting
 from tacos_plugins.rigs.calibrated import calibrated_optics, refuse_beside
 from tacos_plugins.rigs.calibration_files import CalibratedLens
+from tacos_plugins.rigs.costs import COST_UNITS, derived_costs
 from tacos_plugins.rigs.mounted_camera import (
     DERIVED_UNITS,
     MountSettings,
@@ -20,6 +21,12 @@ from tacos_plugins.rigs.mounted_camera import (
     mounted_camera,
 )
 from tacos_plugins.rigs.optics import Optics, notes_on_circle
+from tacos_plugins.rigs.product import (
+    StereoProduct,
+    notes_on_product,
+    refuse_beside_product,
+    with_parts_of_product,
+)
 
 
 class StereoRig:
@@ -79,8 +86,17 @@ class StereoRig:
             also=("tilt", "elevation"),
         )
 
+        camera: StereoProduct | None = setting(
+            None, help="A whole stereo camera: a row of a catalog, or what is known of it."
+        )
+
+        _parts_of_product = model_validator(mode="before")(with_parts_of_product)
+
         @model_validator(mode="after")
         def _one_of_field_and_focal_length(self) -> StereoRig.Variables:
+            if self.camera is not None:
+                refuse_beside_product(self, "hfov_deg", "focal_length_mm", "calibration")
+                return self
             if self.calibration is not None:
                 refuse_beside(self.calibration, self, "hfov_deg", "focal_length_mm")
                 return self
@@ -92,8 +108,12 @@ class StereoRig:
                 self.optics_for("hfov_deg", self.read_out.width_mm)
             return self
 
-    derived_quantities: ClassVar[Mapping[str, str]] = {**DERIVED_UNITS, "baseline_m": "m"}
-    alternatives: ClassVar[tuple[tuple[str, ...], ...]] = (("hfov_deg", "focal_length_mm", "calibration"),)
+    derived_quantities: ClassVar[Mapping[str, str]] = {**DERIVED_UNITS, **COST_UNITS, "baseline_m": "m"}
+    alternatives: ClassVar[tuple[tuple[str, ...], ...]] = (
+        ("hfov_deg", "focal_length_mm", "calibration", "camera"),
+        ("sensor", "camera"),
+        ("baseline_m", "camera"),
+    )
 
     def __init__(self, config: Config) -> None:
         self.config = config
@@ -116,12 +136,15 @@ class StereoRig:
         )
 
     def derived(self, variables: Variables) -> Mapping[str, float]:
-        """Fields of view and sizes of one sensor as manufactured, and the baseline."""
+        """Fields of view and sizes of one sensor as manufactured, the baseline, and costs of both cameras."""
         optics = derived_optics(variables.read_out, _optics(variables))
-        return {**optics, "baseline_m": variables.baseline_m}
+        costs = derived_costs(variables, self.config, cameras=2, product=variables.camera)
+        return {**optics, **costs, "baseline_m": variables.baseline_m}
 
     def notes(self, variables: Variables) -> Iterator[str]:
-        """What of the images stays dark."""
+        """What somebody who buys a whole camera should know, and what of the images stays dark."""
+        if variables.camera is not None:
+            yield from notes_on_product(variables.camera)
         yield from notes_on_circle(_optics(variables), variables.read_out)
 
     def coordinates(self, variables: Variables) -> Mapping[str, float]:
@@ -131,6 +154,8 @@ class StereoRig:
 
 
 def _optics(variables: StereoRig.Variables) -> Optics:
+    if variables.camera is not None:
+        return variables.camera.optics(variables.image_circle_deg)
     if variables.calibration is not None:
         return calibrated_optics(variables.calibration, variables)
     if variables.focal_length_mm is not None:
