@@ -14,6 +14,7 @@ from tacos_framework.plan.notes import (
     notes_on_search,
     notes_on_worlds,
 )
+from tacos_framework.plan.units import doubts_of_units
 
 SHOWN = 5
 """Doubts that are listed unless all are asked for."""
@@ -37,6 +38,7 @@ def remarks(plan: Plan, *, verbose: bool) -> Iterator[str]:
         *notes_on_search(plan),
         *notes_on_catalogs(plan),
         *notes_on_constraints(plan),
+        *doubts_of_units(plan),
         *notes_on_worlds(plan),
     ):
         yield f"note: {note}"

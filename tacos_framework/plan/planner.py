@@ -24,6 +24,7 @@ from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.plan.nodes import find_nodes
 from tacos_framework.plan.plan import Plan
 from tacos_framework.plan.rig import find_rig
+from tacos_framework.plan.units import check_image_sizes
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import NamedScenario, Recipe
 
@@ -87,6 +88,7 @@ def _plan(findings: RecipeFindings) -> Plan | None:
         exposure=exposure,
     )
     check_feasible(findings, plan)
+    check_image_sizes(findings, plan)
     return plan
 
 

@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from tacos_framework.errors import UserError
 from tacos_framework.simulation import Evaluation
 
 IN_A_ROW = 5
@@ -53,7 +54,7 @@ class FailuresInARow:
         Raises
         ------
         KeepsFailing
-            When it is one too many.
+            When it is one too many: the first, where what the user gave is wrong, as all candidates meet it.
         """
         raised = evaluation.raised
         if evaluation.cached or (evaluation.failed and raised is None):
@@ -61,6 +62,11 @@ class FailuresInARow:
         if raised is None:
             self.count, self.component, self.kind = 0, "", ""
             return
+        if raised.kind == UserError.__name__:
+            raise KeepsFailing(
+                f"what the recipe names is at fault, and no candidate: {evaluation.failed}; once it is "
+                "mended, --resume goes on"
+            )
         if (raised.component, raised.kind) != (self.component, self.kind):
             self.count, self.component, self.kind = 0, raised.component, raised.kind
         self.count += 1

@@ -11,8 +11,11 @@ import toy_plugin
 from toy_study import LEARNER, comparable, run, toy_recipe
 
 from tacos_framework.cli import run_main
+from tacos_framework.errors import Fault, UserError
 from tacos_framework.settings.yaml_writer import to_yaml
+from tacos_framework.simulation import Evaluation, failed_by
 from tacos_framework.study import DEFECT
+from tacos_framework.study.failure_policy import FailuresInARow, KeepsFailing
 from tacos_framework.values import Capture, Episode, Exposure, FrameBatch, Rig
 from tacos_plugins.executors.local import LocalExecutor
 from tacos_validation.kept_studies import result_of
@@ -52,6 +55,13 @@ def test_the_log_has_the_traceback(one_crashed):
     log = (folder / "log.txt").read_text()
     assert 'raise ZeroDivisionError("a defect of the toy")' in log
     assert "while evaluating the candidate {'focal_length_mm': " in log
+
+
+def test_a_fault_of_what_the_recipe_names_ends_a_study_at_the_first_candidate() -> None:
+    wrong = failed_by(Evaluation(values={}), UserError(Fault("house.glb", "is cut short")))
+    with pytest.raises(KeepsFailing, match=r"and no candidate: UserError: house\.glb: is cut short"):
+        FailuresInARow().saw(wrong)
+    FailuresInARow().saw(failed_by(Evaluation(values={}), ZeroDivisionError()))  # of this one candidate
 
 
 @pytest.mark.parametrize("executor", ["process", "ray"])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,23 +11,42 @@ from tacos_plugins.lighting.occlusion import Occlusion
 
 _HIGH_M, _LOW_M = 30.0, 1.6
 """Clear heights of rooms lie between: above is a hangar, below nobody stands upright [m]."""
-_USUAL_M = (2.2, 4.5)
+_USUAL_M, _FEET_M = (2.2, 4.5), (7.2, 14.0)
+"""Those of most rooms, and what they are in feet [m]."""
 _UNITS_M = {"inches": 0.0254, "centimetres": 0.01, "millimetres": 0.001, "feet": 0.3048}
 _LIFT_M = 0.05
 
 
-def doubt_of_size(occlusion: Occlusion, floor_m: NDArray[np.float64], metres_per_unit: float) -> str | None:
-    """Why the unit is most likely another; None where rooms are as high as rooms are.
+def doubts_of_height(
+    clear_m: float | None, metres_per_unit: float, camera_height_m: tuple[float, float]
+) -> Iterator[str]:
+    """What is strange of the height of rooms, most likely as the unit is another.
 
     Parameters
     ----------
-    floor_m
-        (N, 3) places to stand [m].
+    clear_m
+        As `clear_height_m` gives it [m].
     metres_per_unit
         What the file was read with.
+    camera_height_m
+        Lowest and highest eye of the agent [m].
     """
-    clear_m = clear_height_m(occlusion, floor_m)
-    if clear_m is None or _LOW_M <= clear_m <= _HIGH_M:
+    if clear_m is None:
+        return
+    if doubt := _doubt_of_unit(clear_m, metres_per_unit):
+        yield doubt
+    elif camera_height_m[1] >= clear_m:
+        yield (
+            f"the eye is up to {camera_height_m[1]:g} m above the floor, and the ceiling {clear_m:.3g} m: "
+            "lower camera_height_m"
+        )
+
+
+def _doubt_of_unit(clear_m: float, metres_per_unit: float) -> str | None:
+    if _FEET_M[0] <= clear_m <= _FEET_M[1]:
+        feet = f"metres_per_unit {metres_per_unit * _UNITS_M['feet']:g}"
+        return f"the ceiling is {clear_m:.3g} m above the floor: a hall, or a file in feet? ({feet})"
+    if _LOW_M <= clear_m <= _HIGH_M:
         return None
     likely = [
         f"{name}: metres_per_unit {metres_per_unit * unit:g}"

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tacos_framework import Fault, Light, Object, Trajectory, UserError, World, did_you_mean
 from tacos_plugins.lighting import photopic
 from tacos_plugins.lighting.occlusion import Occlusion
-from tacos_worlds.imported.doubts import doubt_of_size
+from tacos_worlds.imported.doubts import clear_height_m, doubts_of_height
 from tacos_worlds.imported.floor import Agent, Floor, find_floor, walkable
 from tacos_worlds.imported.formats.file_bytes import Unreadable
 from tacos_worlds.imported.labels import Label, Rule, class_names, label_of, read_table, unused_rules
@@ -95,8 +95,9 @@ def survey(config: ImportedSettings, telling: Telling | None = None) -> Survey:
     agent = Agent(config.radius_m, config.height_m, config.step_m)
     floor = _floor(config, occlusion, agent, read.origin_m)
     remarks += [f"{file.name}: {note}" for note in read.model.notes]
-    if doubt := doubt_of_size(occlusion, floor.points_m, config.metres_per_unit):
-        remarks.append(f"{file.name}: {doubt}")
+    clear_m = clear_height_m(occlusion, floor.points_m)
+    doubts = doubts_of_height(clear_m, config.metres_per_unit, config.camera_height_m)
+    remarks += [f"{file.name}: {doubt}" for doubt in (*doubts, *_of_obstacles(config, objects))]
     return Survey(
         read=read,
         sky=sky,
@@ -130,7 +131,6 @@ def prepare(config: ImportedSettings) -> Place:
     obstacles = tuple(
         i for i, thing in enumerate(found.objects) if i and thing.class_name in config.obstacles
     )
-    names = sorted({surface.path[-1] for surface in found.read.model.surfaces})
     return Place(
         world=world,
         lux=lux,
@@ -139,7 +139,6 @@ def prepare(config: ImportedSettings) -> Place:
         occlusion=found.occlusion,
         object_of_triangle=found.object_of_triangle,
         obstacles=obstacles,
-        names=", ".join(names[:12]) + (", ..." if len(names) > 12 else ""),
         recorded=found.recorded,
     )
 
@@ -197,6 +196,25 @@ def _idle(config: ImportedSettings, read: Read, rules: Sequence[Rule]) -> Iterat
             "matches no node of the file",
             remedy=did_you_mean(rule.pattern, list(names)[:500]),
         )
+
+
+def _of_obstacles(config: ImportedSettings, objects: Sequence[Object]) -> Iterator[str]:
+    """A remark on classes of obstacles of which the file has none, where somebody asked for them.
+
+    Raises
+    ------
+    UserError
+        Where frames are taken before obstacles alone, and there is none.
+    """
+    classes = {thing.class_name for thing in objects[1:]}
+    missing = [name for name in config.obstacles if name not in classes]
+    if not missing or (config.sampling == "walk" and "obstacles" not in config.model_fields_set):
+        return
+    remedy = did_you_mean(missing[0], classes) if classes else "Nothing in the file is labelled: see labels."
+    if config.sampling == "approaches" and len(missing) == len(config.obstacles):
+        what = f"is approaches, but nothing in the file is of the class {' or '.join(missing)}"
+        raise UserError(Fault(f"{config.file}: sampling", what, "things to step on", remedy))
+    yield f"nothing in the file is of the class {' or '.join(missing)} (obstacles): {remedy}"
 
 
 def _objects(

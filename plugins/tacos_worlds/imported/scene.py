@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import Episode, Fault, UserError
+from tacos_framework import Episode, UserError
 from tacos_worlds.imported.settings import ImportedSettings
 
 if TYPE_CHECKING:
@@ -105,16 +105,6 @@ class ImportedScene:
         if config.sampling == "walk":
             walks = draw_walks(rng, place, waypoints, config.size_m, config.speed_m_s, config.camera_height_m)
             return along_walks(rng, walks, frames=config.frames, frame_rate_hz=config.frame_rate_hz)
-        if not place.obstacles:
-            raise UserError(
-                Fault(
-                    f"{config.file}: sampling",
-                    f"is approaches, but nothing in the file is of the class {' or '.join(config.obstacles)}",
-                    "things to step on",
-                    f"Name them in a table (labels) or give sampling: walk. Names in the file: "
-                    f"{place.names}.",
-                )
-            )
         walks = draw_walks(rng, place, waypoints, config.size_m, config.speed_m_s, (0.0, 0.0))
         return approaches(
             rng,

@@ -26,8 +26,6 @@ class Place:
         Where the agent can walk.
     obstacles
         Ids of objects that count when stepped on.
-    names
-        Some names of nodes, for messages.
     recorded
         Poses of the agent from a file, or None.
     """
@@ -39,5 +37,4 @@ class Place:
     occlusion: Occlusion
     object_of_triangle: NDArray[np.int32]
     obstacles: tuple[int, ...]
-    names: str
     recorded: Trajectory | None

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tacos_worlds.imported.doubts import doubt_of_size
+from tacos_worlds.imported.doubts import clear_height_m, doubts_of_height
 from tacos_worlds.imported.formats.file_bytes import Unreadable
 from tacos_worlds.imported.formats.poses import doubt_of_time, read_poses, stamp_unit
 from tacos_worlds.imported.place import geometry
@@ -52,7 +52,13 @@ def test_a_building_ten_thousand_kilometres_off_is_as_exact_as_one_at_the_origin
 
 
 @pytest.mark.parametrize(
-    ("scale", "likely"), [(100.0, "centimetres: metres_per_unit 0.01"), (39.37, "inches"), (1.0, None)]
+    ("scale", "likely"),
+    [
+        (100.0, "centimetres: metres_per_unit 0.01"),
+        (39.37, "inches"),
+        (3.28, "in feet? (metres_per_unit 0.3048)"),
+        (1.0, None),
+    ],
 )
 def test_a_room_in_another_unit_is_doubted_with_that_unit(
     tmp_path: Path, scale: float, likely: str | None
@@ -61,8 +67,14 @@ def test_a_room_in_another_unit_is_doubted_with_that_unit(
     read = read_world(file, up="z", metres_per_unit=1.0, leave_out=(), most_px=64)
     occlusion, _ = geometry([sound(surface, read.turn, 0) for surface in read.model.surfaces])
     floor_m = scale * np.array([[1.0, 1, 0], [3, 2, 0], [6, 4, 0]])
-    doubt = doubt_of_size(occlusion, floor_m, 1.0)
-    assert doubt is None if likely is None else likely in str(doubt)
+    doubts = [*doubts_of_height(clear_height_m(occlusion, floor_m), 1.0, (1.0, 2.0))]
+    assert doubts == [] if likely is None else likely in doubts[0]
+
+
+def test_an_eye_above_the_ceiling_is_doubted() -> None:
+    assert [*doubts_of_height(2.1, 1.0, (1.0, 2.0))] == []
+    assert "lower camera_height_m" in next(doubts_of_height(1.9, 1.0, (1.0, 2.0)))
+    assert [*doubts_of_height(None, 1.0, (1.0, 2.0))] == []  # under the sky
 
 
 def write_poses(file: Path, stamps: list[str], speed_m: float = 0.04) -> Path:
