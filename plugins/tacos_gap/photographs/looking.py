@@ -31,7 +31,7 @@ def looked_at(
     for path in paths:
         tell(path.name)
         try:
-            pictures.append(look_at(path, given.black_level_dn, given.bit_depth))
+            pictures.append(look_at(path, given.black_level_dn, given.bit_depth, given.cfa))
         except UserError as error:
             faults += ((path, fault) for fault in error.faults)
     if not pictures:
@@ -49,7 +49,7 @@ def _at_one_depth(pictures: Sequence[Picture], given: Given) -> list[Picture]:
     brightest = max(of_no_said_depth, key=lambda picture: picture.largest_dn)
     bits = bits_of(brightest.largest_dn, brightest.sample)
     again = {picture for picture in of_no_said_depth if picture.bits != bits}
-    return [look_at(p.path, given.black_level_dn, bits) if p in again else p for p in pictures]
+    return [look_at(p.path, given.black_level_dn, bits, given.cfa) if p in again else p for p in pictures]
 
 
 def of_one_form(pictures: Sequence[Picture]) -> tuple[list[Picture], list[str]]:

@@ -72,8 +72,8 @@ def printable_name(path: Path) -> str:
     return "".join(letter if letter.isprintable() else "_" for letter in path.name)
 
 
-def look_at(path: Path, black_dn: float | None, bit_depth: int | None) -> Picture:
-    """Read a photograph and look at it.
+def look_at(path: Path, black_dn: float | None, bit_depth: int | None, cfa: str | None = None) -> Picture:
+    """Read a photograph and look at it, knowing its black level, bits and filters, or not.
 
     Raises
     ------
@@ -95,7 +95,7 @@ def look_at(path: Path, black_dn: float | None, bit_depth: int | None) -> Pictur
     return Picture(
         path,
         facts,
-        shown_in(seen, min(black, 0.9 * white), white),
+        shown_in(seen, min(black, 0.9 * white), white, (cfa or facts.cfa) if channels == 1 else None),
         (width, height),
         mono,
         channels,

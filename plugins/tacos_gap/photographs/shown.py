@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.captures.targets.chart import find_chart
+from tacos_gap.captures.targets.chart_pixels import in_colour
 from tacos_gap.captures.targets.slanted_edge import find_edge
 from tacos_gap.captures.targets.two_tone import darkness, find_print, paper_level
 from tacos_gap.captures.targets.wall import shading
@@ -78,7 +79,7 @@ class Shown:
     doubt: str = ""
 
 
-def shown_in(image: NDArray[np.floating], black_dn: float, white_dn: float) -> Shown:
+def shown_in(image: NDArray[np.floating], black_dn: float, white_dn: float, cfa: str | None = None) -> Shown:
     """Look at a picture.
 
     Parameters
@@ -87,6 +88,8 @@ def shown_in(image: NDArray[np.floating], black_dn: float, white_dn: float) -> S
         (H, W, C) file values; a mosaic is looked at by its means of two by two [DN].
     black_dn, white_dn
         Levels of the file, as far as they are known [DN].
+    cfa
+        Filters of a mosaic, where they are known.
     """
     above = np.maximum(np.asarray(image, np.float32) - np.float32(black_dn), 0)
     signal = above / np.float32(white_dn - black_dn)
@@ -105,7 +108,7 @@ def shown_in(image: NDArray[np.floating], black_dn: float, white_dn: float) -> S
         return replace(seen, kind="board", corners=corners)
     if (markers := find_markers(eight)) is not None:
         return replace(seen, kind="board", markers=markers)
-    if signal.shape[-1] == 3 and find_chart(signal) is not None:
+    if (colours := in_colour(signal, cfa)) is not None and find_chart(colours) is not None:
         return replace(seen, kind="chart")
     if find_edge(grey) is not None:
         return replace(seen, kind="edge")

@@ -20,8 +20,10 @@ from tacos_gap.captures.targets.chart import (
     find_chart,
     light_on,
     patch_colours,
+    patch_errors,
     reference_colours,
 )
+from tacos_gap.captures.targets.chart_pixels import in_colour, in_file
 from tacos_gap.captures.targets.even_noise import even_noise
 from tacos_gap.captures.targets.photon_transfer import pooled_noise, zero_levels_dn
 from tacos_gap.captures.targets.slanted_edge import find_edge, sharp_edge
@@ -174,19 +176,28 @@ def _chart(capture: RealCapture) -> Expected:
         boxes, colours = capture.patches
         expected, inside = expected_patches(capture, boxes, colours - capture.context.black_level_dn)
         return Expected(replace(capture, expected_dn=expected, valid=capture.valid & inside))
-    if capture.real_dn.shape[-1] != 3:
-        return Expected(capture, "a chart needs a picture in colour; it is left out.")
-    found = find_chart(capture.real_dn.mean(axis=0) - capture.context.black_level_dn)
+    above_dn = capture.real_dn.mean(axis=0) - capture.context.black_level_dn
+    if (picture := in_colour(above_dn, capture.context.cfa)) is None:
+        return Expected(
+            capture,
+            "a chart needs a picture in colour, or the filters of its mosaic (`cfa`); it is left out.",
+        )
+    found = find_chart(picture)
     if found is None:
         return Expected(
             capture,
             "no ColorChecker was found in it; it is left out. It should face the camera and be at least a "
             "quarter as wide as the picture; or give `chart: {patches: FILE}`.",
         )
-    boxes = found.boxes()
-    light = light_on(capture, patch_colours(capture, boxes))
+    boxes = in_file(found.boxes(), capture)
+    light = light_on(capture, patch_colours(capture, boxes), patch_errors(capture, boxes))
     if light is None:
-        return Expected(capture, "the greys of its ColorChecker are clipped or black; it is left out.")
+        return Expected(
+            capture,
+            "of the greys of its ColorChecker fewer than four lie between full scale and the noise above the "
+            "pedestal; it is left out. Expose so that the white patch stays below full scale; check "
+            "black_level_dn.",
+        )
     colours = reference_colours() * light.white_dn
     expected, inside = expected_patches(capture, boxes, colours)
     return Expected(

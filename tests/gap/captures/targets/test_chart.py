@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -9,7 +10,14 @@ import numpy as np
 import pytest
 from skimage.transform import ProjectiveTransform, warp
 
-from tacos_gap.captures.targets.chart import find_chart, light_on, patch_colours, reference_colours
+from tacos_gap.captures.targets.chart import (
+    find_chart,
+    light_on,
+    patch_colours,
+    patch_errors,
+    reference_colours,
+)
+from tacos_gap.captures.targets.expectation import with_own_expectations
 from tests.gap.taken import capture
 
 DATA = Path(__file__).parents[5] / "shared" / "data" / "real"
@@ -78,11 +86,72 @@ def test_the_greys_tell_light_and_response(exponent, offset_dn):
     object.__setattr__(
         seen, "context", seen.context.__class__(0.01, black_level_dn=16.0, white_level_dn=271.0)
     )
-    light = light_on(seen, patch_colours(seen, boxes))
+    light = light_on(seen, patch_colours(seen, boxes), patch_errors(seen, boxes))
     assert light is not None
     assert light.slope == pytest.approx(exponent, abs=0.02)
     assert light.white_dn == pytest.approx(white_dn, rel=0.03)
     assert light.offset_dn == pytest.approx(offset_dn, abs=0.5)
+
+
+PEDESTAL_DN = 64.0
+WHITE_DN = np.array([0.55, 1.0, 0.7])
+"""Of raw filters in daylight, over the green one."""
+
+
+def chart_capture(
+    green_dn: float, noise_dn: float, *, cfa: str | None = None, bits: int = 14, frames: int = 2
+):
+    """A ColorChecker whose white gives so much green above the pedestal, in colour or behind a mosaic."""
+    picture, _ = photographed(3.0, size=(480, 640))
+    linear = picture * WHITE_DN * green_dn
+    if cfa is not None:
+        mosaic = np.empty((*linear.shape[:2], 1))
+        for k, letter in enumerate(cfa):
+            mosaic[k // 2 :: 2, k % 2 :: 2, 0] = linear[k // 2 :: 2, k % 2 :: 2, "RGB".index(letter)]
+        linear = mosaic
+    noisy = PEDESTAL_DN + linear + np.random.default_rng(4).normal(0, noise_dn, (frames, *linear.shape))
+    seen = capture("chart", 0.0, channels=linear.shape[-1])
+    height, width = linear.shape[:2]
+    return replace(
+        seen,
+        real_dn=np.rint(noisy).astype(np.float32),
+        expected_dn=None,
+        valid=np.ones((height, width), bool),
+        geometry=replace(
+            seen.geometry, width_px=width, height_px=height, full_width_px=width, full_height_px=height
+        ),
+        context=replace(seen.context, black_level_dn=PEDESTAL_DN, white_level_dn=2.0**bits - 1, cfa=cfa),
+    )
+
+
+@pytest.mark.parametrize("cfa", ["RGGB", "GBRG"])
+def test_a_chart_behind_a_mosaic_is_read_colour_by_colour(cfa):
+    seen = chart_capture(4000.0, 12.0, cfa=cfa)
+    (found,), said = with_own_expectations([seen])
+    assert not said
+    expected, real = found.expected_dn[0, ..., 0], seen.real_dn.mean(axis=0)[..., 0]
+    assert found.valid.mean() > 0.01
+    error = (real - expected)[found.valid]
+    assert np.abs(np.mean(error)) < 4
+    assert np.std(error) < 1.3 * 12 / np.sqrt(2)
+    white_dn = 4000 * WHITE_DN * reference_colours()[18]
+    assert found.patches[1][18] - PEDESTAL_DN == pytest.approx(white_dn, rel=0.02)
+
+
+@pytest.mark.parametrize(("green_dn", "bits"), [(800.0, 16), (250.0, 16), (120.0, 14)])
+def test_a_dim_chart_of_a_deep_camera_is_not_black(green_dn, bits):
+    """Its white reaches half a percent of full scale, hundreds of times its noise."""
+    (found,), said = with_own_expectations([chart_capture(green_dn, 2.0, bits=bits)])
+    assert not said
+    assert found.patches[1][18, 1] - PEDESTAL_DN == pytest.approx(
+        green_dn * reference_colours()[18, 1], rel=0.05
+    )
+
+
+def test_a_chart_in_the_noise_is_left_out_with_what_to_do():
+    kept, said = with_own_expectations([chart_capture(3.0, 40.0)])
+    assert not kept
+    assert "it is left out." in said[0]
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason=f"the real captures are not at {DATA}")
