@@ -51,7 +51,7 @@ from tacos_framework.contracts.procedure import Procedure, ProcedureBase
 from tacos_framework.contracts.renderer import Renderer, RendererBase
 from tacos_framework.contracts.rig import RigBase, RigBuilder
 from tacos_framework.contracts.scene import EpisodeStore, Scene, SceneBase
-from tacos_framework.contracts.sensor import Sensor, SensorBase
+from tacos_framework.contracts.sensor import Draw, Sensor, SensorBase
 from tacos_framework.contracts.task import (
     Budget,
     Scorer,

@@ -15,6 +15,10 @@ Samples = NDArray[np.float32]
 """(N, H, W, C) samples of one camera with the pedestal, neither rounded nor clipped, C = 1 or 3 [DN]."""
 
 
+Draw = tuple[int | str, ...]
+"""A seed and names, as `tacos_framework.randomness.generator` takes them."""
+
+
 class Sensor(Protocol):
     """Turns light into samples, and knows their noise.
 
@@ -90,3 +94,7 @@ class SensorBase:
     origins: Callable[[Camera], Mapping[str, str]] | None = None
     """Origin of each figure of a camera's noise: figure -> ``catalog``, ``settings``, or a phrase.
     Results and exported cameras repeat it."""
+
+    assuming: Callable[[Draw], Sensor] | None = None
+    """The sensor under one draw of the figures that nobody states; the same draw gives the same sensor. A
+    study asks for one in each scene, so that what is not known scatters scores as scenes do."""

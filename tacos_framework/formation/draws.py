@@ -33,6 +33,11 @@ class EpisodeDraws:
     names: tuple[str | int, ...]
     _memories: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
 
+    @property
+    def key(self) -> tuple[int | str, ...]:
+        """Seed and names: what is drawn once for the whole episode follows from them."""
+        return self.seed, *self.names
+
     def rng(self, frame: int, *what: str) -> np.random.Generator:
         """The generator of one thing in one frame, counted in the whole episode."""
         return generator(self.seed, *self.names, frame, *what)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
+from tacos_framework.contracts import Draw, SensorBase, optional
 from tacos_framework.errors import Fault, UserError
-from tacos_framework.plugins.guarded import blameless
+from tacos_framework.plugins.guarded import blameless, calling
 from tacos_framework.settings import Settings
 
 
@@ -71,6 +72,14 @@ class PlacedSensor:
     def at(self, camera: str) -> Any:
         """The sensor of a camera."""
         return self.by_camera.get(camera, self.sensor)
+
+    def assuming(self, draw: Draw) -> PlacedSensor:
+        """The sensor with one draw of what its models assume, for those that assume anything."""
+        if optional(self.sensor, SensorBase, "assuming") is None:
+            return self
+        with calling(self.use, doing="assuming"):
+            by_camera = {camera: sensor.assuming(draw) for camera, sensor in self.by_camera.items()}
+            return replace(self, sensor=self.sensor.assuming(draw), by_camera=by_camera)
 
     def range_dn(self, cameras: Sequence[str]) -> tuple[float, float]:
         """Black and white level of the files of a rig's cameras, which share them [DN].

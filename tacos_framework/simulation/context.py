@@ -115,7 +115,7 @@ class EvaluationContext:
         draws = draws.at(node.name)
         if node.kind == "sensor":
             (capture,) = inputs.values()
-            return self.formation.expose(capture, component, draws)
+            return self.formation.expose(capture, component.assuming(draws.key), draws)
         if node.kind == "effect":
             (image,) = inputs.values()
             return self.formation.with_effect(image, component, draws)

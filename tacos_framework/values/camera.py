@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,9 @@ from numpy.typing import NDArray
 from tacos_framework.values.arrays import read_only
 from tacos_framework.values.camera_table import cameras_as_html
 from tacos_framework.values.lens import PINHOLE, Lens
+
+
+Colour = Literal["colour", "mono"]
 
 
 @dataclass(frozen=True)
@@ -29,6 +33,10 @@ class Electrons:
         Standard deviation of the noise without light [e-].
     dark_current_e_s
         Electrons per second without light [e-/s].
+    high_gain_from_db, high_gain_read_noise_e
+        Gain from which on a second, higher conversion gain is used [dB], and the read noise there [e-].
+    converter_bits
+        Bits of the converter that reads it [bit].
     """
 
     sensor: str = ""
@@ -36,6 +44,9 @@ class Electrons:
     full_well_e: float | None = None
     read_noise_e: float | None = None
     dark_current_e_s: float | None = None
+    high_gain_from_db: float | None = None
+    high_gain_read_noise_e: float | None = None
+    converter_bits: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +80,8 @@ class Camera:
         What is known of its photosites in electrons.
     lens
         Its projection; `tacos_framework.camera.rays_of_pixels` takes pixels to directions.
+    colour
+        ``colour`` under a mosaic of filters, ``mono`` without; None where it is not known.
     """
 
     name: str
@@ -82,6 +95,7 @@ class Camera:
     electrons: Electrons = Electrons()
     sensor_binning: int = 1
     lens: Lens = PINHOLE
+    colour: Colour | None = None
 
     def __post_init__(self) -> None:
         if self.width_px < 1 or self.height_px < 1:

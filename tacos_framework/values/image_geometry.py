@@ -45,6 +45,8 @@ class ImageGeometry:
         Linear factor of photosites averaged into one pixel of the image [1].
     lens
         Its projection.
+    simulated_binning
+        Linear factor of the camera's own pixels averaged into it, as `Camera.simulated_binning` [1].
 
     Examples
     --------
@@ -67,6 +69,7 @@ class ImageGeometry:
     camera: str = ""
     binning: float = 1.0
     lens: Lens = PINHOLE
+    simulated_binning: float = 1.0
 
     def __post_init__(self) -> None:
         if self.width_px < 1 or self.height_px < 1:
@@ -98,6 +101,7 @@ class ImageGeometry:
             camera=camera.name,
             binning=camera.binning,
             lens=camera.lens,
+            simulated_binning=camera.simulated_binning,
         )
 
     def crop(self, *, x: int, y: int, width_px: int, height_px: int) -> ImageGeometry:
@@ -114,6 +118,7 @@ class ImageGeometry:
             camera=self.camera,
             binning=self.binning,
             lens=self.lens,
+            simulated_binning=self.simulated_binning,
         )
 
     @property

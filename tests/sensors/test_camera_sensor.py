@@ -14,6 +14,7 @@ from tacos_framework.catalog import find_catalog
 from tacos_framework.values import Camera, Electrons, Exposure, Rig
 from tacos_plugins.sensors.camera import CameraSensor
 from tacos_plugins.sensors.emva import NEEDED
+from tacos_plugins.sensors.mosaic_noise import averaged_variances
 from tacos_plugins.sensors.photosite_prior import PRIORS, assumed
 
 CAMERA = Camera("camera", 64, 48, pixel_um=2.0, focal_length_mm=4.0, electrons=Electrons("IMX000"))
@@ -44,13 +45,13 @@ def test_priors_are_those_of_the_shipped_catalogs(figure: str) -> None:
 
 @given(draw=st.integers(1, 1000), figure=st.sampled_from(sorted(PRIORS)))
 def test_a_sensor_is_assumed_the_same_wherever_it_is_used(draw: int, figure: str) -> None:
-    one = assumed(figure, sensor="IMX000", pixel_um=2.0, draw=draw)
-    assert one == assumed(figure, sensor="IMX000", pixel_um=2.0, draw=draw)
-    assert one != assumed(figure, sensor="IMX001", pixel_um=2.0, draw=draw)
+    one = assumed(figure, sensor="IMX000", pixel_um=2.0, draw=(draw,))
+    assert one == assumed(figure, sensor="IMX000", pixel_um=2.0, draw=(draw,))
+    assert one != assumed(figure, sensor="IMX001", pixel_um=2.0, draw=(draw,))
 
 
 def test_draws_have_the_spread_of_the_prior() -> None:
-    logs = [math.log(assumed("full_well_e", sensor="X", pixel_um=2.0, draw=i)) for i in range(1, 801)]
+    logs = [math.log(assumed("full_well_e", sensor="X", pixel_um=2.0, draw=(i,))) for i in range(1, 801)]
     assert np.std(logs) == pytest.approx(PRIORS["full_well_e"].spread, rel=0.1)
     assert np.mean(logs) == pytest.approx(math.log(PRIORS["full_well_e"].value(2.0)), abs=0.06)
 
@@ -95,3 +96,67 @@ def test_drawn_noise_has_the_moments_it_states() -> None:
 
 def test_no_camera_lacks_anything() -> None:
     assert sensor().lacks(Rig((CAMERA,))) is None
+
+
+MONO, COLOUR = (replace(CAMERA, colour=colour) for colour in ("mono", "colour"))
+
+
+def test_a_part_without_filters_gives_one_channel_of_three_times_the_light() -> None:
+    grey = np.full((1, 2, 2, 3), 5.0, np.float32)
+    bare, filtered = (sensor().expect(grey, camera=camera, exposure=Exposure()) for camera in (MONO, COLOUR))
+    assert bare.shape == (1, 2, 2, 1)
+    assert filtered.shape == (1, 2, 2, 3)
+    np.testing.assert_allclose(bare, 3 * filtered[..., :1], rtol=1e-6)
+    blue = np.array([[[[0.0, 0.0, 5.0]]]], np.float32)
+    of_blue = sensor().expect(blue, camera=MONO, exposure=Exposure())
+    assert float(of_blue[0, 0, 0, 0]) == pytest.approx(0.0722 * float(bare[0, 0, 0, 0]), rel=1e-5)
+
+
+@pytest.mark.parametrize("camera", [MONO, COLOUR])
+def test_blocks_of_pixels_have_the_noise_they_state(camera: Camera) -> None:
+    """Of a mosaic every colour by itself; without filters a ninth of one photosite's."""
+    block, model = replace(camera, binning=6, sensor_binning=2), sensor(assumptions=0)
+    exposure = Exposure(gain_db=6.0)
+    samples = np.full((1, 300, 300, 1 if camera is MONO else 3), 900.0, np.float32)
+    drawn = model.draw(samples, camera=block, exposure=exposure, rng=np.random.default_rng(5))
+    _, stated = model.moments(samples, camera=block, exposure=exposure)
+    np.testing.assert_allclose(drawn.var(axis=(0, 1, 2)), stated[0, 0, 0], rtol=0.03)
+    _, of_one = model.moments(samples, camera=replace(camera, binning=1.0), exposure=exposure)
+    factors = [1 / 9] if camera is MONO else averaged_variances(3)
+    np.testing.assert_allclose(stated[0, 0, 0] / of_one[0, 0, 0], np.array(factors) / 4, rtol=1e-5)
+
+
+def test_a_second_conversion_gain_has_a_read_noise_of_its_own() -> None:
+    model = sensor(read_noise_e=6.0, read_noise_share_after_gain=0.5, full_well_e=1e4)
+    modes = replace(CAMERA, electrons=Electrons("IMX000", high_gain_from_db=12.0, high_gain_read_noise_e=1.5))
+    noise_e = {gain_db: model.read_noise_e(modes, Exposure(gain_db=gain_db)) for gain_db in (0, 11.9, 12, 92)}
+    assert noise_e[0] == pytest.approx(6.0)
+    assert noise_e[11.9] == pytest.approx(model.read_noise_e(CAMERA, Exposure(gain_db=11.9)))
+    assert noise_e[12] == pytest.approx(1.5)
+    assert noise_e[92] == pytest.approx(1.5 * math.sqrt(0.5), rel=1e-3)
+
+
+def test_a_coarse_converter_adds_its_rounding() -> None:
+    """A step of 10 bits, of a full well of 10230 e-, is 10 e-: noise of 10 / sqrt 12, less by the gain."""
+    coarse = replace(CAMERA, electrons=Electrons("IMX000", converter_bits=10))
+    model = sensor(read_noise_e=0.0, full_well_e=10_230.0)
+    assert model.read_noise_e(coarse, Exposure()) == pytest.approx(10 / math.sqrt(12))
+    assert model.read_noise_e(coarse, Exposure(gain_db=20)) == pytest.approx(1 / math.sqrt(12))
+    assert model.read_noise_e(CAMERA, Exposure()) == 0
+
+
+def test_dark_current_doubles_with_the_temperature() -> None:
+    warm = sensor(dark_current_e_s=10.0, temperature_c=45.0, dark_doubling_c=10.0)
+    assert warm.photosite(CAMERA).dark_current_e_s == pytest.approx(40.0)
+
+
+def test_scenes_draw_what_is_not_known_and_nothing_else() -> None:
+    model = sensor(read_noise_e=2.5)
+    scenes = [model.assuming((7, "test", i)) for i in range(4)]
+    assert len({each.photosite(CAMERA).full_well_e for each in scenes}) == 4
+    assert {each.photosite(CAMERA).read_noise_e for each in scenes} == {2.5}
+    again = model.assuming((7, "test", 2))
+    assert again.photosite(CAMERA) == scenes[2].photosite(CAMERA)
+    assert model.photosite(CAMERA) == sensor(read_noise_e=2.5, assumptions=0).photosite(CAMERA)
+    fixed = sensor(assumptions=3)
+    assert fixed.assuming((7, "test", 0)).photosite(CAMERA) == fixed.photosite(CAMERA)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, Self
 
@@ -36,7 +37,18 @@ class SensorPart(PricedPart):
     dark_current_e_s: float | None = setting(
         None, help="Electrons per second without light, if known.", unit="e-/s", ge=0
     )
-
+    high_gain_from_db: float | None = setting(
+        None, help="Gain from which on its higher conversion gain is used, if known.", unit="dB"
+    )
+    high_gain_read_noise_e: float | None = setting(
+        None, help="Read noise at that gain, if known.", unit="e-", ge=0
+    )
+    bit_depth: str | None = setting(
+        None, help="Bits per sample it puts out, if known; the most of several modes count, as in 10/12."
+    )
+    colour: Literal["colour", "mono"] | None = setting(
+        None, help="Whether colour filters lie over its photosites, if known."
+    )
     power_w: float | None = setting(
         None, help="Power of a camera that is sold with it, if known.", unit="W", gt=0
     )
@@ -128,8 +140,16 @@ class SensorPart(PricedPart):
     @property
     def electrons(self) -> Electrons:
         """What is known of its photosites in electrons."""
+        modes = [int(bits) for bits in re.findall(r"\d+", self.bit_depth or "")]
         return Electrons(
-            self.name, self.quantum_efficiency, self.full_well_e, self.read_noise_e, self.dark_current_e_s
+            self.name,
+            self.quantum_efficiency,
+            self.full_well_e,
+            self.read_noise_e,
+            self.dark_current_e_s,
+            self.high_gain_from_db,
+            self.high_gain_read_noise_e,
+            max(modes, default=None),
         )
 
 
@@ -330,4 +350,5 @@ def mounted_camera(
         lens=optics.lens,
         sensor_binning=variables.sensor_binning,
         electrons=variables.sensor.electrons,
+        colour=variables.sensor.colour,
     )

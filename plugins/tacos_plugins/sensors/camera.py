@@ -1,36 +1,54 @@
-"""Digital images by electrons: noise before and after the gain, stated priors for unpublished figures."""
+"""Digital images by electrons, mono or mosaic by the part, with stated priors for unpublished figures."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from copy import copy
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
 
 from tacos_framework import Camera, Exposure, Rig, setting
 from tacos_framework.camera import gain_factor
-from tacos_plugins.sensors.emva import NEEDED, Emva
-from tacos_plugins.sensors.photosite_prior import assumed, assumed_from
+from tacos_plugins.sensors.emva import NEEDED, Emva, Photosite
+from tacos_plugins.sensors.mosaic_noise import FILTERED, averaged_variances
+from tacos_plugins.sensors.photosite_prior import Draw, assumed, assumed_from
 
 AFTER_GAIN = "read_noise_share_after_gain"
+MIDDLE: Draw = (0,)
+STATED_AT_C = 25.0
+"""Temperature that dark currents of catalogs are taken to hold at, as few say [deg C]."""
 
 
 class CameraSensor(Emva):
     """The electron model for sensors of which only some figures are published.
 
-    Two things differ from `sensor.emva`. Read noise lies before and after the gain, so that in electrons it
-    falls with the gain G:
+    A figure that neither the catalog nor the settings know is drawn from a prior over known sensors, of each
+    image sensor by itself; `origins` says which figures are stated and which assumed. A study draws anew
+    in each scene, the same for all candidates with that part, so that what is not known scatters its scores.
 
-        r(G)^2 = r^2 ((1 - s) + s / G^2)
+    Read noise lies before and after the gain, so that in electrons it falls with the gain G:
 
-    with r the read noise at 0 dB and s the share of its variance that arises after the gain. And a figure
-    that neither the catalog nor the settings know is drawn from a prior over known sensors, once for each
-    image sensor; `origins` says which figures are stated and which assumed.
+        r(G)^2 = r^2 ((1 - s) + s / G^2) + q(G)^2 / 12
 
-    Run a study with several values of `assumptions` to see how far its answer hangs on what is not published.
+    with r the read noise at 0 dB, s the share of its variance that arises after the gain, and q a step of the
+    part's converter, where its bits are known and fewer than those of the files. From
+    `high_gain_from_db` on, r is that of a second conversion gain, and G counts from there.
+
+    A part without filters gives one channel, by the light's luminance, and collects three times the light of
+    one with filters. Where blocks of b x b pixels of a mosaic are simulated as one, each colour has the noise
+    that averaging its reconstructed pixels leaves; the mosaic itself is `effect.demosaic`, at b = 1.
+
+    Dark current doubles every `dark_doubling_c` degrees (EMVA 1288, release 4.0, dark current over temperature).
 
     References
     ----------
-    `tacos_plugins.sensors.electrons` (the model), `tacos_plugins.sensors.photosite_prior` (the priors). The
-    recipe `noise_over_gain` holds read noise over gain against real cameras.
+    `tacos_plugins.sensors.electrons` (the model), `tacos_plugins.sensors.photosite_prior` (the priors),
+    `tacos_plugins.sensors.mosaic_noise` (filters). The recipe `noise_over_gain` holds read noise over gain
+    against real cameras.
 
     Examples
     --------
@@ -43,6 +61,15 @@ class CameraSensor(Emva):
     class Config(Emva.Config):
         """Settings of the sensor."""
 
+        channels: Literal["rgb", "mono", "by-part"] = setting(
+            "by-part",
+            help="Colour images, or luminance in one channel; by-part as the image sensor is, in colour where "
+            "that is not known.",
+        )
+        channel_response: tuple[float, float, float] = setting(
+            (FILTERED, FILTERED, FILTERED),
+            help="Light that the filters of R, G and B pass, of that which a photosite without gathers.",
+        )
         read_noise_share_after_gain: float | None = setting(
             None,
             help="Share of the read noise's variance at 0 dB that arises after the gain; by default that of "
@@ -50,24 +77,71 @@ class CameraSensor(Emva):
             ge=0,
             le=1,
         )
-        assumptions: int = setting(
-            0,
+        high_gain_from_db: float | None = setting(
+            None,
+            help="Gain from which on the higher of two conversion gains is used, where the catalog does not "
+            "know; one conversion gain if neither says.",
+            unit="dB",
+        )
+        high_gain_read_noise_e: float | None = setting(
+            None, help="Read noise at that gain, where the catalog does not know.", unit="e-", ge=0
+        )
+        temperature_c: float = setting(
+            STATED_AT_C, help="Temperature of the image sensor.", unit="deg C", ge=-100, le=150
+        )
+        dark_doubling_c: float = setting(
+            8.0, help="Warming that doubles the dark current; 6 to 10 is usual.", unit="deg C", gt=0
+        )
+        assumptions: int | None = setting(
+            None,
             help="Which draw of the priors stands for unpublished figures: 0 is their middle, 1, 2, ... are "
-            "draws.",
+            "draws; by default a study draws them anew in each scene.",
             ge=0,
         )
 
     config: Config
+    _draw: Draw = MIDDLE
+
+    def assuming(self, draw: Draw) -> CameraSensor:
+        """See `SensorBase.assuming`."""
+        if self.config.assumptions is not None:
+            return self
+        drawn = copy(self)
+        drawn._draw = draw
+        return drawn
+
+    @property
+    def draw_of_priors(self) -> Draw:
+        """The draw that stands for what is not published."""
+        fixed = self.config.assumptions
+        return self._draw if fixed is None else (fixed,)
 
     def lacks(self, rig: Rig) -> str | None:
         """Nothing: what is not known is assumed."""
         return None
 
+    def photosite(self, camera: Camera) -> Photosite:
+        """What is known or assumed of a camera's photosites, at the sensor's temperature."""
+        site = super().photosite(camera)
+        warmer = 2 ** ((self.config.temperature_c - STATED_AT_C) / self.config.dark_doubling_c)
+        return replace(site, dark_current_e_s=site.dark_current_e_s * warmer)
+
+    def photosites(self, camera: Camera) -> float | NDArray[np.float64]:
+        """How many photosites are averaged into a sample: of a mosaic, as many as have the noise it has."""
+        if self.config.channels == "by-part" and camera.colour != "mono" and camera.simulated_binning > 1:
+            return camera.sensor_binning**2 / np.array(averaged_variances(camera.simulated_binning))
+        return camera.binning**2
+
     def read_noise_e(self, camera: Camera, exposure: Exposure) -> float:
         """Read noise of a photosite at a gain [e-]."""
+        read_noise_e, gain_db = self.photosite(camera).read_noise_e, exposure.gain_db
+        from_db = self._stated(camera, "high_gain_from_db")
+        in_high_gain_e = self._stated(camera, "high_gain_read_noise_e")
+        if from_db is not None and in_high_gain_e is not None and gain_db >= from_db:
+            read_noise_e, gain_db = in_high_gain_e, gain_db - from_db
         share = self._known(camera, AFTER_GAIN)
-        gain = gain_factor(exposure.gain_db)
-        return self.photosite(camera).read_noise_e * math.sqrt((1 - share) + share / gain**2)
+        variance_e2 = read_noise_e**2 * ((1 - share) + share / gain_factor(gain_db) ** 2)
+        return math.sqrt(variance_e2 + self._converter_step_e(camera, exposure) ** 2 / 12)
 
     def origins(self, camera: Camera) -> Mapping[str, str]:
         """Origin of each figure of a camera's photosites; see `SensorBase.origins`."""
@@ -79,14 +153,27 @@ class CameraSensor(Emva):
                 found[figure] = "settings"
             else:
                 found[figure] = assumed_from(figure)
+        if self.config.channels == "by-part":
+            found["colour"] = "assumed, as the catalog does not say" if camera.colour is None else "catalog"
         return found
 
-    def _known(self, camera: Camera, name: str) -> float:
+    def _converter_step_e(self, camera: Camera, exposure: Exposure) -> float:
+        """A step of the part's converter [e-]; 0 where files are as coarse, whose own rounding then shows."""
+        bits = camera.electrons.converter_bits
+        if bits is None or bits >= self.config.bit_depth:
+            return 0.0
+        range_dn = self.white_level_dn - self.black_level_dn
+        return range_dn / (2**bits - 1) / self.gain_dn_per_e(camera, exposure)
+
+    def _stated(self, camera: Camera, name: str) -> float | None:
+        """A figure by the catalog, else by the settings."""
         of_catalog: float | None = getattr(camera.electrons, name, None)
         of_settings: float | None = getattr(self.config, name)
-        for value in (of_catalog, of_settings):
-            if value is not None:
-                return value
-        return assumed(
-            name, sensor=camera.electrons.sensor, pixel_um=camera.pixel_um, draw=self.config.assumptions
-        )
+        return of_settings if of_catalog is None else of_catalog
+
+    def _known(self, camera: Camera, name: str) -> float:
+        stated = self._stated(camera, name)
+        if stated is not None:
+            return stated
+        sensor = camera.electrons.sensor
+        return assumed(name, sensor=sensor, pixel_um=camera.pixel_um, draw=self.draw_of_priors)

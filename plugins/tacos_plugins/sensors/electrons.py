@@ -140,7 +140,7 @@ def count_electrons(
     full_well_e: float,
     read_noise_e: float,
     rng: np.random.Generator,
-    photosites: float = 1.0,
+    photosites: float | NDArray[np.float64] = 1.0,
     photon_scale: float = 1.0,
 ) -> NDArray[np.float32]:
     """Electrons that are read from photosites: counted, limited by the full well, read with noise.
@@ -157,7 +157,7 @@ def count_electrons(
     rng
         Draws a count and a normal number per sample.
     photosites
-        How many photosites are averaged into one sample; need not be whole [1].
+        How many photosites are averaged into one sample; need not be whole, may differ by channel [1].
     photon_scale
         Factor on the variance of the counts, which leaves their mean alone [1].
 
@@ -182,6 +182,6 @@ def count_electrons(
         collected = light
     collected = np.minimum(collected, full_well_e) + np.minimum(expected, 0.0)
     noise = rng.standard_normal(expected.shape, dtype=np.float32)
-    noise *= np.float32(read_noise_e / math.sqrt(photosites))
+    noise *= np.asarray(read_noise_e / np.sqrt(photosites), np.float32)
     noise += collected
     return noise

@@ -85,7 +85,11 @@ class Emva:
             unit="e-/s",
             ge=0,
         )
-        channels: Literal["rgb", "mono"] = setting("rgb", help="Colour images, or luminance in one channel.")
+        channels: Literal["rgb", "mono", "by-part"] = setting(
+            "rgb",
+            help="Colour images, or luminance in one channel; by-part as the image sensor is, in colour where "
+            "that is not known.",
+        )
         channel_response: tuple[float, float, float] = setting(
             (1.0, 1.0, 1.0), help="Quantum efficiency of R, G and B over quantum_efficiency."
         )
@@ -142,7 +146,7 @@ class Emva:
         CandidateFailed
             When neither the catalog nor the settings know all that the model needs of an image sensor.
         """
-        if self.config.channels == "mono":
+        if self.is_mono(camera):
             light_cd_m2 = luminance(light_cd_m2)[..., None].astype(np.float32)
         else:
             light_cd_m2 = light_cd_m2 * np.array(self.config.channel_response, np.float32)
@@ -166,7 +170,8 @@ class Emva:
         variance_e2 = np.float32(photon_scale) * electrons + np.float32(
             self.read_noise_e(camera, exposure) ** 2
         )
-        return samples_dn + gain * dark_e, gain**2 * variance_e2 / np.float32(camera.binning**2)
+        averaged = np.asarray(self.photosites(camera), np.float32)
+        return samples_dn + gain * dark_e, gain**2 * variance_e2 / averaged
 
     def draw(
         self,
@@ -185,10 +190,20 @@ class Emva:
             full_well_e=site.full_well_e,
             read_noise_e=self.read_noise_e(camera, exposure),
             rng=rng,
-            photosites=camera.binning**2,
+            photosites=self.photosites(camera),
             photon_scale=photon_scale,
         )
         return np.asarray(electrons * np.float32(gain) + np.float32(self.black_level_dn), np.float32)
+
+    def is_mono(self, camera: Camera) -> bool:
+        """Whether a camera's images have one channel."""
+        if self.config.channels == "by-part":
+            return camera.colour == "mono"
+        return self.config.channels == "mono"
+
+    def photosites(self, camera: Camera) -> float | NDArray[np.float64]:
+        """How many photosites are averaged into a sample; an array where it differs by channel [1]."""
+        return camera.binning**2
 
     def dn_per_electron(self, camera: Camera, exposure: Exposure) -> float | None:
         """System gain K [DN/e-]."""

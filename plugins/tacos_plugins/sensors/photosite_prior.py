@@ -1,6 +1,6 @@
 """Figures of photosites that are not published: a prior over sensors whose figures are known.
 
-A figure y of a photosite of pitch p is drawn once for each image sensor:
+A figure y of a photosite of pitch p is drawn of each image sensor by itself:
 
     f(y) = intercept + slope ln(p / 1 um) + spread z,    z ~ N(0, 1)
 
@@ -67,8 +67,12 @@ PRIORS: Mapping[str, FigurePrior] = MappingProxyType(
 """By name of the figure."""
 
 
+Draw = tuple[int | str, ...]
+"""Names a draw: a seed and names. A seed of 0 alone is the middle of the priors."""
+
+
 @lru_cache(maxsize=1024)  # each frame asks for every figure
-def assumed(figure: str, *, sensor: str, pixel_um: float, draw: int) -> float:
+def assumed(figure: str, *, sensor: str, pixel_um: float, draw: Draw) -> float:
     """The figure of a sensor that does not state it; the same whenever the arguments are.
 
     Parameters
@@ -78,19 +82,27 @@ def assumed(figure: str, *, sensor: str, pixel_um: float, draw: int) -> float:
     sensor
         Name of the image sensor.
     draw
-        0 is the middle of the prior, others are draws of it.
+        ``(0,)`` is the middle of the prior, others are draws of it.
 
     Examples
     --------
-    >>> round(assumed("full_well_e", sensor="IMX172", pixel_um=1.55, draw=0))
+    >>> round(assumed("full_well_e", sensor="IMX172", pixel_um=1.55, draw=(0,)))
     5281
-    >>> assumed("full_well_e", sensor="A", pixel_um=3, draw=1) == assumed(
-    ...     "full_well_e", sensor="B", pixel_um=3, draw=1
+    >>> assumed("full_well_e", sensor="A", pixel_um=3, draw=(1,)) == assumed(
+    ...     "full_well_e", sensor="B", pixel_um=3, draw=(1,)
     ... )
     False
     """
-    z = 0.0 if draw == 0 else float(generator(draw, "photosite", sensor, figure).standard_normal())
-    return PRIORS[figure].value(pixel_um, z)
+    return PRIORS[figure].value(pixel_um, deviate(figure, sensor=sensor, draw=draw))
+
+
+@lru_cache(maxsize=4096)
+def deviate(figure: str, *, sensor: str, draw: Draw) -> float:
+    """How many standard deviations above the middle of its prior a figure is drawn [1]."""
+    if draw == (0,):
+        return 0.0
+    seed, *names = draw
+    return float(generator(int(seed), *names, "photosite", sensor, figure).standard_normal())
 
 
 def assumed_from(figure: str) -> str:
