@@ -89,7 +89,7 @@ def effect_ladder(
     amplification = max(1.0, 0.5 / float(largest))
     levels = scene.black_level_dn, scene.white_level_dn
     steps = [
-        Step(each, shown_frame(frame, *levels), _shown_difference(change * amplification))
+        Step(each, shown_frame(frame, *levels, coded=scene.coded), _shown_difference(change * amplification))
         for each, frame, change in zip(rungs, frames, changes, strict=True)
     ]
     return EffectLadder(use, tuple(steps), amplification)

@@ -93,7 +93,8 @@ def write_rendering(out: Path, rendering: Rendering, what: str, assumed: Sequenc
     rows: list[SideBySide] = []
     for i in range(len(rendering)):
         for name, taken in rendering.cameras.items():
-            frame = shown_frame(taken.image[i], rendering.black_level_dn, rendering.white_level_dn)
+            levels = rendering.black_level_dn, rendering.white_level_dn
+            frame = shown_frame(taken.image[i], *levels, coded=rendering.coded)
             stem = f"frame_{i + 1}" if len(rendering.cameras) == 1 else f"frame_{i + 1}_{name}"
             pictures = (
                 folder.add(stem, frame, f"{i + 1}, {name}, at {rendering.time_s[i]:.1f} s"),

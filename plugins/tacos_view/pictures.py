@@ -18,9 +18,11 @@ _GAP_PX = 6
 _PAPER = 253
 
 
-def shown_frame(image_dn: NDArray[np.generic], black_level_dn: float, white_level_dn: float) -> Picture:
-    """An (H, W, C) linear frame as people expect to see it; one channel becomes grey."""
-    encoded = display_image(image_dn, black_level_dn, white_level_dn)
+def shown_frame(
+    image_dn: NDArray[np.generic], black_level_dn: float, white_level_dn: float, *, coded: bool = False
+) -> Picture:
+    """An (H, W, C) frame as people expect to see it; one channel becomes grey. See `display_image`."""
+    encoded = display_image(image_dn, black_level_dn, white_level_dn, coded=coded)
     return np.repeat(encoded, 3, axis=-1) if encoded.shape[-1] == 1 else encoded
 
 

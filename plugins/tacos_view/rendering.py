@@ -29,7 +29,7 @@ class CameraFrames:
     camera
         The camera; its `intrinsics` are those of these images.
     image
-        (N, H, W, C) uint8 or uint16, linear: proportional to light above `black_level_dn` [DN].
+        (N, H, W, C) uint8 or uint16; unless `coded` proportional to light above `black_level_dn` [DN].
     depth_m
         (N, H, W) float32 distance along the optical axis, infinite where nothing is [m].
     object_id
@@ -73,6 +73,8 @@ class Rendering:
         What was looked at: its parts, lights, objects and class names.
     black_level_dn, white_level_dn
         Pedestal and full scale of the images [DN].
+    coded
+        Whether they are coded for a display, rather than linear.
     """
 
     title: str
@@ -83,6 +85,7 @@ class Rendering:
     trajectory: Trajectory
     black_level_dn: float
     white_level_dn: float
+    coded: bool = False
 
     @property
     def first(self) -> CameraFrames:
@@ -138,7 +141,8 @@ class Rendering:
 
     def displayed(self) -> list[NDArray[np.uint8]]:
         """The frames of the first camera as people expect to see them, (H, W, 3) sRGB each."""
-        return [shown_frame(image, self.black_level_dn, self.white_level_dn) for image in self.image]
+        levels = self.black_level_dn, self.white_level_dn
+        return [shown_frame(image, *levels, coded=self.coded) for image in self.image]
 
     def __repr__(self) -> str:
         """One line: the arrays and the world would fill the terminal."""
@@ -166,7 +170,7 @@ class Rendering:
         levels = self.black_level_dn, self.white_level_dn
         tiles = []
         for taken in self.cameras.values():
-            tiles += [shown_frame(taken.image[i], *levels) for i in shown]
+            tiles += [shown_frame(taken.image[i], *levels, coded=self.coded) for i in shown]
             tiles += [shown_depth(taken.depth_m[i]) for i in shown]
         return contact_sheet(tiles, columns=len(shown))
 
@@ -233,6 +237,7 @@ def collected(batches: Iterable[FrameBatch], title: str) -> Rendering:
         trajectory=first.episode.trajectory,
         black_level_dn=first.black_level_dn,
         white_level_dn=first.white_level_dn,
+        coded=first.coded,
     )
 
 

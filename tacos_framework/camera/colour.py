@@ -88,16 +88,18 @@ LINEAR_OF_SRGB_BYTE.flags.writeable = False
 
 
 def display_image(
-    image_dn: NDArray[np.generic], black_level_dn: float, white_level_dn: float
+    image_dn: NDArray[np.generic], black_level_dn: float, white_level_dn: float, *, coded: bool = False
 ) -> NDArray[np.uint8]:
-    """A linear frame as people expect to see it.
+    """A frame as people expect to see it.
 
     Parameters
     ----------
     image_dn
-        (..., C) linear file values, pedestal included [DN].
+        (..., C) file values, pedestal included [DN].
     black_level_dn, white_level_dn
         The values shown as black and as white [DN].
+    coded
+        Whether the file is coded for a display already, rather than linear.
 
     Returns
     -------
@@ -109,5 +111,5 @@ def display_image(
     >>> display_image(np.uint8([16, 55, 255]), 16, 255).tolist()
     [0, 112, 255]
     """
-    linear = (np.asarray(image_dn, dtype=np.float64) - black_level_dn) / (white_level_dn - black_level_dn)
-    return np.rint(255 * srgb_from_linear(linear)).astype(np.uint8)
+    share = (np.asarray(image_dn, dtype=np.float64) - black_level_dn) / (white_level_dn - black_level_dn)
+    return np.rint(255 * (np.clip(share, 0.0, 1.0) if coded else srgb_from_linear(share))).astype(np.uint8)

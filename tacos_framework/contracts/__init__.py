@@ -53,6 +53,7 @@ from tacos_framework.contracts.rig import RigBase, RigBuilder
 from tacos_framework.contracts.scene import EpisodeStore, Scene, SceneBase
 from tacos_framework.contracts.sensor import Draw, Sensor, SensorBase
 from tacos_framework.contracts.task import (
+    WANTED_FILES,
     Budget,
     Scorer,
     Scores,
@@ -61,6 +62,7 @@ from tacos_framework.contracts.task import (
     TaskBase,
     Trainable,
     TrainableBase,
+    Wanted,
     learns,
 )
 from tacos_framework.contracts.transform import Transform
@@ -72,11 +74,13 @@ __all__ = [
     "PROTOCOLS",
     "STAGES",
     "VERBS",
+    "WANTED_FILES",
     "Asked",
     "Budget",
     "Controller",
     "ControllerBase",
     "DesignProblem",
+    "Draw",
     "Effect",
     "EffectBase",
     "EpisodeStore",
@@ -109,6 +113,7 @@ __all__ = [
     "Trainable",
     "TrainableBase",
     "Transform",
+    "Wanted",
     "acts_after_noise",
     "formation_order",
     "learns",

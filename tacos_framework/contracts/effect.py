@@ -102,6 +102,10 @@ class EffectBase:
     """The same for any points."""
     moved_inverse_depth: Callable[..., Any] | None = None
     """The inverse depth of what is seen from another place [1/m]; see `Effect`."""
+    of_colours: ClassVar[bool] = False
+    """True for an effect on colours alone, which images of one channel pass by."""
+    codes: bool = False
+    """Whether files leave it coded for a display, where they were linear."""
     moments: Callable[..., Any] | None = None
     """``moments(mean_dn, variance_dn2, *, geometry, context)``: mean and variance of the noise after the
     effect, from those before it, where a closed form exists. Arrays of the shape (N, H, W, C), or flat

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Literal, Protocol, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,6 +86,12 @@ def learns(task: type[Any]) -> bool:
     return callable(getattr(task, "fit", None)) and callable(getattr(task, "initial_state", None))
 
 
+Wanted = Literal["linear", "coded", "grey"]
+"""See `TaskBase.wants`."""
+
+WANTED_FILES: tuple[Wanted, ...] = get_args(Wanted)
+
+
 class TaskBase:
     """Optional members of a `Task`, with their defaults."""
 
@@ -103,6 +109,9 @@ class TaskBase:
     them unless its recipe has other ones; a score without has a margin of 0."""
     depends_on: ClassVar[Mapping[str, Sequence[str]]] = {}
     """The coordinates of the rig (`RigBuilder`) a score depends on, where it does not depend on all."""
+    wants: Wanted | None = None
+    """The files it works on, into which those that cameras deliver are turned: linear ones; 8 bits that are
+    coded for a display; these in grey, one channel. It takes any that come if None."""
     frames_per_update: int = 1
     """How many frames it would have at a time, as a network on a GPU. It may be given more or fewer, and
     its scores must not depend on that."""

@@ -12,6 +12,7 @@
 ``lens_faces``      the sides of a cube, and how an image is put together from them
 ``views``           effects on the light of rendered views, truth moved along
 ``image_formation`` all of it for captures and frames, as a study calls it
+``wanted``          frames as a task wants them: linear, coded, grey
 ==================  ========================================================================================
 
 Expected light passes the effects of the stages scene, optics, exposure and pixel; then comes the noise.
@@ -28,6 +29,7 @@ from tacos_framework.formation.image_formation import ImageFormation
 from tacos_framework.formation.image_units import in_image_units
 from tacos_framework.formation.lenses import captured
 from tacos_framework.formation.placed import PlacedControl, PlacedEffect, PlacedSensor
+from tacos_framework.formation.wanted import as_wanted, frames_for, shown
 
 __all__ = [
     "ActingEffect",
@@ -38,7 +40,10 @@ __all__ = [
     "PlacedEffect",
     "PlacedSensor",
     "SensorAt",
+    "as_wanted",
     "captured",
     "form_files",
+    "frames_for",
     "in_image_units",
+    "shown",
 ]

@@ -75,6 +75,18 @@ class EffectChain:
     files: tuple[ActingEffect, ...] = ()
     photon_scale: float = 1.0
 
+    @property
+    def codes(self) -> bool:
+        """Whether files come out coded for a display."""
+        return any(optional(each.effect, EffectBase, "codes") for each in self.files)
+
+    def for_channels(self, count: int) -> EffectChain:
+        """The chain of an image of so many channels: what acts on colours alone passes by one of one."""
+        if count > 1:
+            return self
+        kept = (e for e in self.files if not optional(type(e.effect), EffectBase, "of_colours"))
+        return replace(self, files=tuple(kept))
+
     @classmethod
     def of(
         cls, placed: Iterable[PlacedEffect], geometry: ImageGeometry, context: ImageContext

@@ -70,6 +70,7 @@ class ExposureLoop:
             images=tuple(images),
             black_level_dn=first.black_level_dn,
             white_level_dn=first.white_level_dn,
+            coded=first.coded,
             exposures=tuple(tuple(exposure for _, exposure in frames) for frames in taken),
             dn_per_electron=tuple(
                 tuple(frame.dn_per_electron[0][0] for frame, _ in frames) for frames in taken

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.contracts import FILE_STAGES, LIGHT_STAGES
+from tacos_framework.contracts import FILE_STAGES, LIGHT_STAGES, EffectBase, optional
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.formation.arrays import SensorAt, digital, file_type, form_files
 from tacos_framework.formation.chain import EffectChain
@@ -91,9 +91,10 @@ class ImageFormation:
             return loop.frames(replace(capture, pending=()), sensor.name, draws)
         effects = (*self.effects, *capture.pending)
         places = [self._sensor_at(sensor, view) for view in capture.views]
+        chains = [EffectChain.of(effects, ImageGeometry.of_camera(at.camera), at.context) for at in places]
         images = [
-            self._exposed(view, capture, at, effects, draws)
-            for view, at in zip(capture.views, places, strict=True)
+            self._exposed(view, capture, at, chain, draws)
+            for view, at, chain in zip(capture.views, places, chains, strict=True)
         ]
         return FrameBatch(
             capture=replace(capture, pending=()),
@@ -101,6 +102,7 @@ class ImageFormation:
             black_level_dn=black_level_dn,
             white_level_dn=white_level_dn,
             dn_per_electron=tuple((at.context.dn_per_electron,) * len(capture.episode) for at in places),
+            coded=any(chain.codes for chain in chains),
         )
 
     def _at(
@@ -128,18 +130,18 @@ class ImageFormation:
         view: View,
         capture: Capture,
         at: SensorAt,
-        effects: Sequence[PlacedEffect],
+        chain: EffectChain,
         draws: EpisodeDraws,
     ) -> NDArray[np.unsignedinteger]:
         """The files of one camera, frame by frame."""
         geometry = ImageGeometry.of_camera(view.camera)
-        chain = EffectChain.of(effects, geometry, at.context)
         files = []
         for i in range(len(capture.episode)):
             try:
+                expected = at.expect(view.luminance_cd_m2[i : i + 1])
                 made = form_files(
-                    at.expect(view.luminance_cd_m2[i : i + 1]),
-                    chain,
+                    expected,
+                    chain.for_channels(expected.shape[-1]),
                     at,
                     geometry=geometry,
                     context=replace(at.context, depth_m=view.depth_m[i]),
@@ -170,7 +172,8 @@ class ImageFormation:
         """Frames with one effect; the batch itself where it is off."""
         images = [self._processed(frames, number, effect, draws) for number in range(len(frames.images))]
         same = all(after is before for after, before in zip(images, frames.images, strict=True))
-        return frames if same else replace(frames, images=tuple(images))
+        coded = frames.coded or optional(effect.cls(effect.config), EffectBase, "codes")
+        return frames if same else replace(frames, images=tuple(images), coded=coded)
 
     def _processed(
         self, frames: FrameBatch, number: int, effect: PlacedEffect, draws: EpisodeDraws
@@ -188,7 +191,7 @@ class ImageFormation:
             before = image[i : i + 1].astype(np.float32)
             after = before
             try:
-                for acting in chains[units].files:
+                for acting in chains[units].for_channels(image.shape[-1]).files:
                     after = acting.on(
                         after,
                         geometry=geometry,

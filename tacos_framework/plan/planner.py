@@ -17,7 +17,7 @@ from tacos_framework.plan.checks import (
 )
 from tacos_framework.plan.component import ConfiguredComponent
 from tacos_framework.plan.design import find_space
-from tacos_framework.plan.effects import find_effects
+from tacos_framework.plan.effects import check_wanted_files, find_effects
 from tacos_framework.plan.exposure import find_exposure
 from tacos_framework.plan.feasibility import check_feasible
 from tacos_framework.plan.findings import RecipeFindings
@@ -56,6 +56,8 @@ def _plan(findings: RecipeFindings) -> Plan | None:
     nodes, graph = find_nodes(findings)
     rig, fixed = find_rig(findings)
     effects = find_effects(findings)
+    if graph is not None and len(nodes) == len(recipe.nodes):
+        check_wanted_files(findings, graph, nodes, effects)
     exposure = find_exposure(findings, nodes)
     check_scenarios(findings)
     space = find_space(findings, rig, fixed, nodes, effects, exposure)

@@ -7,7 +7,16 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, get_args
 
 from tacos_framework.components import Component
-from tacos_framework.contracts import BASES, PROTOCOLS, STAGES, VERBS, ScoreScale, Trainable, learns
+from tacos_framework.contracts import (
+    BASES,
+    PROTOCOLS,
+    STAGES,
+    VERBS,
+    WANTED_FILES,
+    ScoreScale,
+    Trainable,
+    learns,
+)
 from tacos_framework.errors import did_you_mean
 from tacos_framework.plugins.contract_calls import CALLS, OPTIONAL_CALLS, scorer_faults
 from tacos_framework.settings import Settings
@@ -113,6 +122,10 @@ def _misfits(kind: str, cls: type[Any]) -> Iterator[str]:
             yield f"{name}.derived_quantities is no mapping of names to units, such as {{'hfov_deg': 'deg'}}"
     if kind == "task":
         yield from _score_misfits(cls)
+        wanted = getattr(cls, "wants", None)
+        if isinstance(wanted, str) and wanted not in WANTED_FILES:
+            meant = did_you_mean(wanted, WANTED_FILES)
+            yield f"{name}.wants is {wanted!r}, not one of {', '.join(WANTED_FILES)}. {meant}".rstrip(". ")
         if getattr(cls, "Training", None) is not None and not _is_settings(cls.Training):
             yield f"{name}.Training is not a tacos_framework.settings.Settings class"
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, Literal
 
-from pydantic import ConfigDict, PrivateAttr, model_validator
+from pydantic import ConfigDict, PrivateAttr, field_validator, model_validator
 
 from tacos_framework.recipe.effect_names import effect_names
 from tacos_framework.recipe.notes import quoting
+from tacos_framework.recipe.pipeline import Pipeline, written_out
 from tacos_framework.recipe.sections import (
     Aim,
     Bounds,
@@ -56,6 +57,11 @@ class Recipe(Written, Settings):
         None, help="Who sets exposure time and gain from frame to frame; fixed as in the scenario if absent."
     )
     effects: tuple[EffectUse, ...] = setting((), help="Effects of the camera; each acts at its own stage.")
+    pipeline: Pipeline = setting(
+        {},
+        help="How cameras process their files: effects of the stages isp and codec with their settings, as "
+        "in {tone-curve: {gamma: 0.45}}; or a shipped list, raw, coded or jpeg; or from: such a list.",
+    )
     nodes: dict[Name, NodeUse] = setting(help="The graph: components, wired by their ports.", min_length=1)
     fitness: tuple[Weighted, ...] = setting(help="Weighted sum of scores, maximised.", min_length=1)
     objectives: tuple[Aim, ...] = setting((), help="Aims that a front trades off, the fitness among them.")
@@ -97,10 +103,24 @@ class Recipe(Written, Settings):
         """The scenarios each candidate is scored in; more than one of them have names and weights."""
         return (self.scenario,) if isinstance(self.scenario, Scenario) else self.scenario
 
+    @field_validator("pipeline", mode="before")
+    @classmethod
+    def _pipeline_is_written_out(cls, given: Any) -> Any:
+        return written_out(given)
+
+    @property
+    def all_effects(self) -> tuple[EffectUse, ...]:
+        """The effects, those of the pipeline behind the others."""
+        processed = (
+            EffectUse.model_validate({"use": f"effect.{name}", **settings})
+            for name, settings in self.pipeline.items()
+        )
+        return (*self.effects, *processed)
+
     @property
     def effect_names(self) -> tuple[str, ...]:
         """Names of the effects for design variables, ``effects.NAME.setting``."""
-        return effect_names([(effect.use, effect.name) for effect in self.effects])
+        return effect_names([(effect.use, effect.name) for effect in self.all_effects])
 
     def keys_of(self, section: str) -> tuple[str, ...]:
         """The keys of a section, those among them whose values are at fault and so no part of the recipe."""

@@ -10,7 +10,7 @@ from typing import Any
 
 from tacos_framework.cache import LRUCache, content_key
 from tacos_framework.contracts import EpisodeStore, TaskBase, optional
-from tacos_framework.formation import EpisodeDraws, ImageFormation, captured
+from tacos_framework.formation import EpisodeDraws, ImageFormation, captured, frames_for
 from tacos_framework.graph import Node
 from tacos_framework.plan import Plan
 from tacos_framework.randomness import generator
@@ -18,7 +18,7 @@ from tacos_framework.recipe import Scenario
 from tacos_framework.simulation.checked_outputs import checked_output
 from tacos_framework.simulation.clock import Clock
 from tacos_framework.simulation.episodes import EpisodeSpec, block_of
-from tacos_framework.values import Episode, Exposure, Rig
+from tacos_framework.values import Episode, Exposure, FrameBatch, Rig
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,16 @@ class EvaluationContext:
                 return self.output(node, inputs, draws, batch.first_frame)
 
         wanted = [optional(self.components[task], TaskBase, "frames_per_update") for task in tasks]
-        yield from self.plan.graph.stream(scene, episode, max(wanted, default=1), call, tasks)
+        for inputs in self.plan.graph.stream(scene, episode, max(wanted, default=1), call, tasks):
+            yield {task: self._as_wanted(task, given) for task, given in inputs.items()}
+
+    def _as_wanted(self, task: str, given: Mapping[str, Any]) -> Mapping[str, Any]:
+        """What a task is given, its frames in the form it wants."""
+        component = self.components[task]
+        return {
+            port: frames_for(component, value) if isinstance(value, FrameBatch) else value
+            for port, value in given.items()
+        }
 
     def draws(self, spec: EpisodeSpec) -> EpisodeDraws:
         """Draws along an episode; candidates share them if the recipe says so."""

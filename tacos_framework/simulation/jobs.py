@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from tacos_framework.cache import content_key
 from tacos_framework.camera.clipping import Exposed, exposed
-from tacos_framework.camera.colour import display_image
 from tacos_framework.contracts import State
+from tacos_framework.formation import shown
 from tacos_framework.simulation.episodes import EpisodeSpec
 from tacos_framework.simulation.evaluation import Evaluation
 from tacos_framework.simulation.simulation import Simulation
@@ -160,4 +160,4 @@ class SampleJob:
 
 def _shown(batch: FrameBatch) -> SampleFrame:
     taken = batch.images[0][0], batch.black_level_dn, batch.white_level_dn
-    return SampleFrame(display_image(*taken), exposed(*taken))
+    return SampleFrame(shown(batch)[0][0], exposed(*taken))

@@ -13,7 +13,6 @@ from tacos_framework.values.arrays import read_only
 from tacos_framework.values.camera_table import cameras_as_html
 from tacos_framework.values.lens import PINHOLE, Lens
 
-
 Colour = Literal["colour", "mono"]
 
 

@@ -85,7 +85,7 @@ class FrameBatch:
     capture
         Truth: poses, depth, ids.
     images
-        For each camera (N, H, W, C) uint8 or uint16, linear RGB (C = 3) or mono (C = 1) [DN].
+        For each camera (N, H, W, C) uint8 or uint16, RGB (C = 3) or mono (C = 1), linear unless `coded` [DN].
     black_level_dn, white_level_dn
         Pedestal and full scale [DN].
     exposures
@@ -93,6 +93,8 @@ class FrameBatch:
     dn_per_electron
         For each camera what an electron of a photosite added to the samples of its N frames, None where its
         sensor does not know; empty where nobody said it of any [DN/e-].
+    coded
+        Whether the files are coded for a display, by a gamma or another tone curve.
     """
 
     capture: Capture
@@ -101,6 +103,7 @@ class FrameBatch:
     white_level_dn: float = 255.0
     exposures: tuple[tuple[Exposure, ...], ...] = ()
     dn_per_electron: tuple[tuple[float | None, ...], ...] = ()
+    coded: bool = False
 
     def __post_init__(self) -> None:
         if len(self.images) != len(self.capture.views):

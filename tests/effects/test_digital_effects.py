@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 from scipy import ndimage, signal
 
-from tacos_framework.errors import UserError
 from tacos_framework.testing.forming import placed, with_effect
 from tacos_framework.testing.samples import sample_frames
 from tacos_framework.values import ContextMissing, FrameBatch
@@ -85,11 +84,11 @@ def test_colours_need_colour(effect):
         run(effect, flats(channels=1))
 
 
-def test_in_a_recipe_that_is_the_users_to_mend():
+def test_of_a_mono_camera_in_a_recipe_there_are_no_colours_to_change():
+    """A study chooses among mono and colour parts with one pipeline."""
     grey = sample_frames()
     mono = FrameBatch(grey.capture, tuple(image[..., :1] for image in grey.images))
-    with pytest.raises(UserError, match="in colour"):
-        with_effect(mono, placed(WhiteBalance, red=2.0))
+    assert with_effect(mono, placed(WhiteBalance, red=2.0)) is mono
 
 
 MATRIX = np.array([[1.6, -0.4, -0.2], [-0.3, 1.5, -0.2], [0.0, -0.6, 1.6]])

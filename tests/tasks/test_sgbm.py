@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tacos_framework.formation import frames_for
 from tacos_framework.values import FrameBatch, Rig
 from tacos_plugins.tasks.sgbm import Sgbm, filled, searched_disparities
 from tacos_plugins.tasks.stereo.pair import StereoPair
@@ -16,8 +17,9 @@ RIG = stereo_rig(width_px=256, height_px=128, focal_length_px=220.0)
 
 
 def score(frames, **config):
-    scorer = Sgbm(Sgbm.Config(**config)).begin(state=None)
-    scorer.update(frames)
+    task = Sgbm(Sgbm.Config(**config))
+    scorer = task.begin(state=None)
+    scorer.update(frames_for(task, frames))
     return scorer.scores()
 
 

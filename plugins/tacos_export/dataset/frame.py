@@ -71,7 +71,7 @@ def photograph(frame: FrameBatch, camera: int, encoding: Encoding) -> NDArray[np
     image = frame.images[camera][0]
     if encoding == "camera":
         return image
-    return display_image(image, frame.black_level_dn, frame.white_level_dn)
+    return display_image(image, frame.black_level_dn, frame.white_level_dn, coded=frame.coded)
 
 
 def linear_16_bit(frame: FrameBatch, camera: int) -> NDArray[np.uint16]:

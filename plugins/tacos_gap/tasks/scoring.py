@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import CandidateFailed, Rig, TaskBase, optional
-from tacos_framework.formation import EpisodeDraws, PlacedEffect
+from tacos_framework.formation import EpisodeDraws, PlacedEffect, frames_for
 from tacos_gap.captures import RealCapture
 from tacos_gap.simulation.formation import simulate
 from tacos_gap.simulation.sensors import camera_of
@@ -170,7 +170,7 @@ def _scores(
     for task in tasks:
         scorer = task.begin()
         with task.part.calling(f"update in node {task.node!r}"):
-            scorer.update(batch)
+            scorer.update(frames_for(task.part.instance, batch))
             scores = scorer.scores()
         found |= {f"{task.node}.{name}": float(value) for name, value in scores.items()}
     return found

@@ -46,6 +46,7 @@ class AutoWhiteBalance:
 
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 21
+    of_colours: ClassVar[bool] = True
     neutral: ClassVar[Mapping[str, Any]] = {"red_first": 1.0, "blue_first": 1.0, "lag_frames": 0.0}
     initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ()
     shown_by: ClassVar[Sequence[ShownBy]] = (SEQUENCE,)

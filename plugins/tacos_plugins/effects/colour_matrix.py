@@ -56,6 +56,7 @@ class ColourMatrix:
 
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 50
+    of_colours: ClassVar[bool] = True
     neutral: ClassVar[Mapping[str, Any]] = {"matrix": IDENTITY}
     initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"matrix": ((1.2, -0.1, -0.1), (-0.1, 1.2, -0.1), (-0.1, -0.1, 1.2))},

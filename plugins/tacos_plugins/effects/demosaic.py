@@ -20,9 +20,9 @@ class Demosaic:
     ``gradient-corrected`` (Malvar, He & Cutler 2004), linear as well; ``edge-aware`` (Hamilton & Adams
     1997), which interpolates along edges.
 
-    The mosaic is laid over the pixels of the image it is given. Of a binned camera these are averages of
-    photosites already, as of sensors that bin within a colour; a camera that reconstructs colours first and
-    averages afterwards has less false colour than this.
+    The mosaic is laid over the camera's own pixels; those of a camera that bins are averages already, as of
+    sensors that bin within a colour. Where blocks of the camera's pixels are simulated as one, colours were
+    reconstructed before they were averaged: it is off then, and the sensor gives the averages their noise.
 
     References
     ----------
@@ -41,6 +41,7 @@ class Demosaic:
 
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 30
+    of_colours: ClassVar[bool] = True
     neutral: ClassVar[Mapping[str, Any]] = {"method": "none"}
     initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"method": "bilinear"},
@@ -60,7 +61,7 @@ class Demosaic:
         rng: np.random.Generator,
     ) -> NDArray[np.floating]:
         """The samples, reconstructed from a mosaic of them."""
-        if self.config.method == "none":
+        if self.config.method == "none" or geometry.simulated_binning > 1:
             return signal
         if signal.shape[-1] != 3:
             raise ContextMissing("effect.demosaic needs images in colour")

@@ -9,7 +9,6 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
-from scipy.interpolate import PchipInterpolator
 
 from tacos_framework import (
     Captures,
@@ -34,6 +33,7 @@ _KNOTS = (0.03, 0.08, 0.18, 0.35, 0.55, 0.78)
 _LEVEL, _FULL = 1e-3, 0.98
 """Rise from point to point below which a curve is level, and the code from which on it may be."""
 
+_MIDDLE_GREY, _CODED_GREY = 0.18, 0.3
 _BENT = 0.05
 """Departure of a guessed exponent from 1 below which captures suggest none."""
 
@@ -132,6 +132,15 @@ class ToneCurve:
         return not bool(np.any((np.diff(code) < _LEVEL) & (code[1:] < _FULL) & (code[:-1] > 0)))
 
     @property
+    def codes(self) -> bool:
+        """Whether it codes files for a display: middle grey, 0.18, comes out above 0.3."""
+        if not self._bends:
+            return False
+        grey = np.array([_MIDDLE_GREY])
+        code = self._looked_up(grey) if self.config.knots else grey**self.config.gamma
+        return bool(code[0] > _CODED_GREY)
+
+    @property
     def _bends(self) -> bool:
         return self.config.gamma != 1 or self.config.knots is not None
 
@@ -147,6 +156,8 @@ class ToneCurve:
 
     @cached_property
     def _table(self) -> NDArray[np.float64]:
+        from scipy.interpolate import PchipInterpolator  # late: checking a recipe draws no curve
+
         knots = np.array(self.config.knots).round(9)  # slopes of subnormal numbers would overflow
         return np.asarray(PchipInterpolator(knots[:, 0], knots[:, 1])(np.linspace(0, 1, _STEPS + 1)))
 

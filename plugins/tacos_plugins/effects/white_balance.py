@@ -28,6 +28,7 @@ class WhiteBalance:
 
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 20
+    of_colours: ClassVar[bool] = True
     neutral: ClassVar[Mapping[str, Any]] = {"red": 1.0, "blue": 1.0}
     initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"red": 1.1},

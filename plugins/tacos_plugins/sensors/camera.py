@@ -42,7 +42,7 @@ class CameraSensor(Emva):
     one with filters. Where blocks of b x b pixels of a mosaic are simulated as one, each colour has the noise
     that averaging its reconstructed pixels leaves; the mosaic itself is `effect.demosaic`, at b = 1.
 
-    Dark current doubles every `dark_doubling_c` degrees (EMVA 1288, release 4.0, dark current over temperature).
+    Dark current doubles every `dark_doubling_c` degrees (EMVA 1288, release 4.0).
 
     References
     ----------
@@ -63,8 +63,8 @@ class CameraSensor(Emva):
 
         channels: Literal["rgb", "mono", "by-part"] = setting(
             "by-part",
-            help="Colour images, or luminance in one channel; by-part as the image sensor is, in colour where "
-            "that is not known.",
+            help="Colour images, or luminance in one channel; by-part as the image sensor is, in colour "
+            "where that is not known.",
         )
         channel_response: tuple[float, float, float] = setting(
             (FILTERED, FILTERED, FILTERED),

@@ -26,7 +26,6 @@ EMVA Standard 1288, Release 4.0 Linear, 2021, Sec. 2; CIE 018:2019 (683 lm/W); I
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Literal

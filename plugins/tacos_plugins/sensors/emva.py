@@ -87,8 +87,8 @@ class Emva:
         )
         channels: Literal["rgb", "mono", "by-part"] = setting(
             "rgb",
-            help="Colour images, or luminance in one channel; by-part as the image sensor is, in colour where "
-            "that is not known.",
+            help="Colour images, or luminance in one channel; by-part as the image sensor is, in colour "
+            "where that is not known.",
         )
         channel_response: tuple[float, float, float] = setting(
             (1.0, 1.0, 1.0), help="Quantum efficiency of R, G and B over quantum_efficiency."

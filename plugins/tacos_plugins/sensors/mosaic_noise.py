@@ -24,8 +24,8 @@ def averaged_variances(binning: float) -> tuple[float, float, float]:
     """Variance of red, green and blue, averaged over b x b pixels of a mosaic, over that of one photosite.
 
     Missing colours are means of their neighbours, so that a channel is its photosites, a share n of all,
-    convolved with a kernel k. Averaged over the places of a block in the pattern, its covariance at a distance
-    d is n (k * k)(d), and the mean over a block of b pixels along each side has the variance
+    convolved with a kernel k. Averaged over the places of a block in the pattern, its covariance at a
+    distance d is n (k * k)(d), and the mean over a block of b pixels along each side has the variance
 
         n sum_d (k * k)(d) w(d_x) w(d_y),    w(d) = max(b - |d|, 0) / b^2.
 

@@ -66,6 +66,9 @@ class OrbFeatures:
     With ``cells`` each of equal parts of the image gives its share of the features and no more: what is full
     or black there costs them, and is not made up for elsewhere.
 
+    Images are grey and coded for a display, as programs get them; `images: linear` takes linear ones, in
+    which what is dark has little contrast.
+
     A camera with more photosites finds more features and is held to a finer tolerance, as in the paper. The
     detection threshold is in 1/255 of full scale.
 
@@ -87,6 +90,9 @@ class OrbFeatures:
         )
         fast_threshold: int = setting(
             20, help="Contrast a corner needs, in 1/255 of full scale.", unit="1/255", ge=1, le=254
+        )
+        images: Literal["coded", "linear"] = setting(
+            "coded", help="Whether features are found in files coded for a display or in linear ones."
         )
         scale_factor: float = setting(1.2, help="Ratio of neighbouring pyramid levels.", gt=1, le=2)
         levels: int = setting(8, help="Pyramid levels.", ge=1, le=32)
@@ -142,6 +148,11 @@ class OrbFeatures:
 
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @property
+    def wants(self) -> Literal["linear", "grey"]:
+        """See `TaskBase.wants`."""
+        return "linear" if self.config.images == "linear" else "grey"
 
     def begin(self, *, state: State | None = None) -> OrbScorer:
         """A scorer for one episode."""

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import CandidateFailed, FrameBatch, Rig, Scores, ScoreScale, Settings, State, setting
-from tacos_framework.camera import display_image
 from tacos_plugins.tasks.stereo.depth_scores import ERRORS, MARGINS, MEANINGS, SCALES, SCORES, DepthScores
 from tacos_plugins.tasks.stereo.pair import StereoPair, stereo_pair
 
@@ -28,7 +27,7 @@ MODES = {
 class Sgbm:
     """Semi-global block matching, untrained: quick, and the same for every candidate.
 
-    Frames are encoded for a display, turned grey and matched; the disparities searched follow from the
+    Grey frames, coded for a display, are matched; the disparities searched follow from the
     candidate's focal length and baseline. Estimates that fail the matcher's checks are filled as KITTI does
     it: with the smaller, farther, of the nearest valid disparities to either side in the row; a row without
     any is filled likewise from the rows above and below; a frame without any is infinitely far.
@@ -69,6 +68,7 @@ class Sgbm:
             "sgbm", help="Paths summed over: five (sgbm), three (3way, fastest) or eight (hh)."
         )
 
+    wants: ClassVar[Literal["grey"]] = "grey"
     scores: ClassVar[tuple[str, ...]] = SCORES
     margins: ClassVar[Mapping[str, float]] = MARGINS
     score_meanings: ClassVar[Mapping[str, str]] = MEANINGS
@@ -105,11 +105,7 @@ class SgbmScorer:
         matcher = _matcher(self._config, pair)
         both = zip(frames.images[pair.left], frames.images[pair.right], views[pair.left].depth_m, strict=True)
         for left, right, depth_m in both:
-            left_grey, right_grey = (
-                _grey(display_image(image, frames.black_level_dn, frames.white_level_dn))
-                for image in (left, right)
-            )
-            self._scores.add(filled(_matched(matcher, left_grey, right_grey)), depth_m, pair)
+            self._scores.add(filled(_matched(matcher, left, right)), depth_m, pair)
 
     def scores(self) -> Scores:
         """The scores of all frames so far."""
@@ -188,7 +184,7 @@ def _matcher(config: Sgbm.Config, pair: StereoPair) -> Any:
 
 
 def _matched(matcher: Any, left: NDArray[np.uint8], right: NDArray[np.uint8]) -> NDArray[np.float32]:
-    """Disparities of the left image, below 0 where there is none [px].
+    """Disparities of the left of two (H, W, 1) images, below 0 where there is none [px].
 
     The matcher leaves out as many columns on the left as it searches disparities; images widened by as many
     have none to leave out, and far points at the left edge are found.
@@ -197,9 +193,3 @@ def _matched(matcher: Any, left: NDArray[np.uint8], right: NDArray[np.uint8]) ->
     wide = [cv2.copyMakeBorder(grey, 0, 0, margin_px, 0, cv2.BORDER_REPLICATE) for grey in (left, right)]
     found = np.asarray(matcher.compute(*wide))[:, margin_px:]
     return np.where(found < 0, np.float32(-1), found.astype(np.float32) / STEP)
-
-
-def _grey(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    if image.shape[2] == 1:
-        return np.ascontiguousarray(image[..., 0])
-    return np.asarray(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), np.uint8)

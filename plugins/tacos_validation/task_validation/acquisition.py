@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import Episode, Exposure, FrameBatch, Rig, Scores
-from tacos_framework.formation import EpisodeDraws, captured
+from tacos_framework.formation import EpisodeDraws, captured, frames_for
 from tacos_plugins.noise_calibration.bench import expose
 
 
@@ -83,11 +83,11 @@ def take(
                 if place == places // 2 and number == 0:
                     samples.append(frame)
                 if (last := begun.pop((setting, number), None)) is not None:
-                    last.update(frame)
+                    last.update(frames_for(task, frame))
                     _note(scores, (setting, number, place - 1), last.scores())
                 if place < places - 1:
                     scorer = task.begin(state=None)
-                    scorer.update(frame)
+                    scorer.update(frames_for(task, frame))
                     begun[setting, number] = scorer
         rendered()
     return Taken(scores, tuple(samples), on_target, luminance)

@@ -225,7 +225,7 @@ def _frame(taken: Taken, setting: int, caption: str) -> PagePicture:
     image = around_target(batch)
     every = -(-image.shape[1] // _WIDEST_PX)
     shown = np.maximum(image[::every, ::every], batch.black_level_dn)
-    display = display_image(shown, batch.black_level_dn, batch.white_level_dn)
+    display = display_image(shown, batch.black_level_dn, batch.white_level_dn, coded=batch.coded)
     colour = np.repeat(display, 3, axis=-1) if display.shape[-1] == 1 else display
     return PagePicture(image_uri(colour), caption, enlarged=True)
 

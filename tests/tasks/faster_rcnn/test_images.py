@@ -5,21 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tacos_framework.camera.colour import srgb_from_linear
-
 pytest.importorskip("torchvision", reason="the extra perception is not installed")
 
 import torch
 
 from tacos_plugins.tasks.faster_rcnn.images import CameraPixels
 from tacos_plugins.tasks.faster_rcnn.networks import faster_rcnn
-from tacos_plugins.tasks.learning.images import DEVIATION, MEAN, network_image, srgb_encoded
+from tacos_plugins.tasks.learning.images import DEVIATION, MEAN, network_image
 
 CPU = torch.device("cpu")
 
 
-def seen(image, black=0.0, white=255.0, encode=False):
-    return network_image(np.asarray(image), CPU, black_level_dn=black, white_level_dn=white, encode=encode)
+def seen(image, black=0.0, white=255.0):
+    return network_image(np.asarray(image), CPU, black_level_dn=black, white_level_dn=white)
 
 
 def test_black_is_zero_and_white_is_one_whatever_the_bit_depth():
@@ -37,11 +35,6 @@ def test_a_mono_image_has_three_equal_channels():
 
 def test_colours_keep_their_order():
     assert seen(np.array([[[255, 0, 51]]], np.uint8))[:, 0, 0].tolist() == pytest.approx([1, 0, 0.2])
-
-
-def test_encoding_is_that_of_the_framework():
-    linear = torch.linspace(0, 1, 101)
-    assert srgb_encoded(linear).numpy() == pytest.approx(srgb_from_linear(linear.numpy()), abs=1e-6)
 
 
 def test_the_network_normalises_once():

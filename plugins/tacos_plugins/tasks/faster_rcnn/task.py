@@ -188,7 +188,6 @@ class FasterRcnn:
                 passes=restore(state, model, adam),
                 training=training,
                 batch_size=batch_size,
-                encode=self._encodes,
                 norms=self._moves_norms,
                 rng=rng,
                 on_step=budget.on_step,
@@ -222,6 +221,11 @@ class FasterRcnn:
                 yield Example(image, frames.black_level_dn, frames.white_level_dn, labels)
 
     @property
+    def wants(self) -> Literal["linear", "coded"]:
+        """See `TaskBase.wants`."""
+        return "coded" if self.config.encoding == "srgb" else "linear"
+
+    @property
     def frames_per_update(self) -> int:
         """As many as the network takes at once: several on a GPU, one on a CPU."""
         return FRAMES_AT_ONCE[self._device.type]
@@ -230,10 +234,6 @@ class FasterRcnn:
     def _moves_norms(self) -> bool:
         wanted = self.config.batch_norm
         return wanted == "update" or (wanted == "auto" and self.config.weights == NONE)
-
-    @property
-    def _encodes(self) -> bool:
-        return self.config.encoding == "srgb"
 
     def _model(self) -> FasterRCNN:
         config = self.config
@@ -273,13 +273,12 @@ class DetectionScorer:
 
     def detect(self, examples: Sequence[Example]) -> list[Detections]:
         """What the detector finds in each frame."""
-        encode = self._task.config.encoding == "srgb"
         with (
             torch.inference_mode(),
             mixed_precision(self._device),
             naming_lack_of_memory(f"{WHERE} runs out of memory", where=WHERE),
         ):
-            found = self._model(inputs(examples, self._device, encode))
+            found = self._model(inputs(examples, self._device))
         return [
             Detections(
                 each["boxes"].float().cpu().numpy(),

@@ -61,7 +61,6 @@ def train(
     passes: int,
     training: DetectorTraining,
     batch_size: int,
-    encode: bool,
     norms: bool,
     rng: np.random.Generator,
     on_step: Callable[[Mapping[str, float]], None] | None,
@@ -109,7 +108,7 @@ def train(
             for group in adam.param_groups:
                 group["lr"] = rate * warm
             at_once = training.frames_at_once or batch_size
-            losses = _step(model, adam, batch, at_once, training.gradient_limit, encode, step)
+            losses = _step(model, adam, batch, at_once, training.gradient_limit, step)
             step += 1
             if on_step is not None:
                 on_step(losses)
@@ -125,7 +124,6 @@ def _step(
     batch: Sequence[Example],
     at_once: int,
     gradient_limit: float | None,
-    encode: bool,
     step: int,
 ) -> dict[str, float]:
     """One step of Adam; the mean losses of the batch."""
@@ -135,9 +133,7 @@ def _step(
     for part in in_parts(batch, at_once):
         share = len(part) / len(batch)
         with mixed_precision(device):
-            losses: dict[str, Tensor] = model(
-                inputs(part, device, encode), [_target(each, device) for each in part]
-            )
+            losses: dict[str, Tensor] = model(inputs(part, device), [_target(each, device) for each in part])
         loss = torch.stack([each.float() for each in losses.values()]).sum()
         values = {"loss": finite(loss, step=step, where=WHERE)}
         values |= {name: float(each.detach()) for name, each in losses.items()}
@@ -154,7 +150,7 @@ def _steps_of(adam: torch.optim.Adam) -> int:
     return max((int(kept["step"]) for kept in adam.state.values()), default=0)
 
 
-def inputs(batch: Sequence[Example], device: torch.device, encode: bool) -> list[Tensor]:
+def inputs(batch: Sequence[Example], device: torch.device) -> list[Tensor]:
     """The images of examples as the network takes them."""
     return [
         network_image(
@@ -162,7 +158,6 @@ def inputs(batch: Sequence[Example], device: torch.device, encode: bool) -> list
             device,
             black_level_dn=example.black_level_dn,
             white_level_dn=example.white_level_dn,
-            encode=encode,
         )
         for example in batch
     ]

@@ -18,29 +18,25 @@ def network_image(
     *,
     black_level_dn: float,
     white_level_dn: float,
-    encode: bool,
 ) -> Tensor:
     """A frame in colours of 0..1, on a device; a copy to a GPU goes on while the caller does.
 
     Parameters
     ----------
     image_dn
-        (H, W, C) uint8 or uint16; one channel, or linear RGB [DN].
+        (H, W, C) uint8 or uint16; one channel, or RGB [DN].
     device
         Where it is wanted.
     black_level_dn, white_level_dn
         The file's pedestal and full scale [DN].
-    encode
-        Whether to encode linear light as sRGB, as the images are that networks are commonly trained on.
 
     Returns
     -------
     Tensor
         (3, H, W) float32 in 0..1, not normalised by mean and deviation.
     """
-    linear = (on_device(image_dn, device).float() - black_level_dn) / (white_level_dn - black_level_dn)
-    colour = linear.clamp(0, 1)
-    return (srgb_encoded(colour) if encode else colour).permute(2, 0, 1).expand(3, -1, -1)
+    colour = (on_device(image_dn, device).float() - black_level_dn) / (white_level_dn - black_level_dn)
+    return colour.clamp(0, 1).permute(2, 0, 1).expand(3, -1, -1)
 
 
 def normalised(colour: Tensor) -> Tensor:
@@ -53,8 +49,3 @@ def on_device(array: NDArray[Any], device: torch.device) -> Tensor:
     """A copy of an array on a device."""
     copy = torch.from_numpy(array.copy())
     return copy.pin_memory().to(device, non_blocking=True) if device.type == "cuda" else copy
-
-
-def srgb_encoded(linear: Tensor) -> Tensor:
-    """Linear light in 0..1 as sRGB (IEC 61966-2-1); see `tacos_framework.camera.colour.srgb_from_linear`."""
-    return torch.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)

@@ -92,6 +92,11 @@ class PsmnetDepth:
         self._device = pick_device(config.device, where=WHERE)
         self._weights = named_weights(config.weights, where=f"{WHERE}: weights")
 
+    @property
+    def wants(self) -> Literal["linear", "coded"]:
+        """See `TaskBase.wants`."""
+        return "coded" if self.config.encoding == "srgb" else "linear"
+
     def lacks(self, rig: Rig) -> str | None:
         """Why the cameras of a rig are no pair for it, in a sentence; None when they are."""
         try:
@@ -145,7 +150,6 @@ class PsmnetDepth:
             training=training,
             batch_size=batch_size,
             max_depth_m=self.config.max_depth_m,
-            encode=self.config.encoding == "srgb",
             rng=np.random.default_rng(seed),
             on_step=budget.on_step,
         )
@@ -201,12 +205,11 @@ class PsmnetScorer:
     def disparity_px(self, example: StereoExample) -> NDArray[np.float32]:
         """(H, W) estimated disparities of the left image [px]."""
         device = next(self._network.parameters()).device
-        encode = self._task.config.encoding == "srgb"
         with (
             torch.inference_mode(),
             naming_lack_of_memory(f"{WHERE} runs out of memory on a single pair", where=WHERE),
         ):
-            (found,) = self._network(*network_pairs([example], device, encode=encode))
+            (found,) = self._network(*network_pairs([example], device))
             return found[0].cpu().numpy()
 
     def scores(self) -> Scores:

@@ -56,7 +56,6 @@ def train(
     training: PsmnetTraining,
     batch_size: int,
     max_depth_m: float,
-    encode: bool,
     rng: np.random.Generator,
     on_step: Callable[[Mapping[str, float]], None] | None,
 ) -> None:
@@ -98,7 +97,7 @@ def train(
             if not ((truth_px > 0) & (truth_px < network.max_disparity)).any():
                 passed_over += 1
                 continue
-            losses.append(_step(network, adam, batch, truth_px, encode))
+            losses.append(_step(network, adam, batch, truth_px))
     look_at_the_last()
     if losses:
         finite_weights(network, where=WHERE)
@@ -135,7 +134,7 @@ def disparity_loss(estimates: Sequence[Tensor], truth_px: Tensor, max_disparity:
     return torch.stack(losses).sum()
 
 
-def network_pairs(examples: Sequence[StereoExample], device: torch.device, *, encode: bool) -> list[Tensor]:
+def network_pairs(examples: Sequence[StereoExample], device: torch.device) -> list[Tensor]:
     """The left and the right images of pairs of one size, (N, 3, H, W) each, as the network takes them."""
     return [
         torch.stack(
@@ -146,7 +145,6 @@ def network_pairs(examples: Sequence[StereoExample], device: torch.device, *, en
                         device,
                         black_level_dn=example.black_level_dn,
                         white_level_dn=example.white_level_dn,
-                        encode=encode,
                     )
                 )
                 for example, image_dn in zip(examples, images_dn, strict=True)
@@ -170,11 +168,10 @@ def _step(
     adam: torch.optim.Adam,
     batch: Sequence[StereoExample],
     truth_px: NDArray[np.float32],
-    encode: bool,
 ) -> Tensor:
     """One step of Adam; returns the loss before it."""
     device = next(network.parameters()).device
-    left, right = network_pairs(batch, device, encode=encode)
+    left, right = network_pairs(batch, device)
     truth = on_device(truth_px, device)
     with mixed_precision(device):
         estimates = network(left, right)

@@ -1,0 +1,37 @@
+"""How a camera processes its files: a list of effects with their settings, written out or named."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from tacos_framework.errors import UserError
+from tacos_framework.packaged_resources import find_file, shipped_folder
+from tacos_framework.settings.yaml_reader import read_yaml
+
+Pipeline = dict[str, dict[str, Any]]
+"""Effects without their kind, each with its settings: ``{"jpeg": {"quality": 90}}``."""
+
+
+def written_out(given: Any) -> Any:
+    """A pipeline that is named, or begins from a named one (``from:``), as its effects and settings.
+
+    Examples
+    --------
+    >>> list(written_out("coded")), list(written_out({"from": "coded", "jpeg": {"quality": 90}}))
+    (['demosaic', 'tone-curve'], ['demosaic', 'tone-curve', 'jpeg'])
+    """
+    if isinstance(given, str):
+        return _named(given)
+    if isinstance(given, Mapping) and isinstance(first := given.get("from"), str):
+        return _named(first) | {name: settings for name, settings in given.items() if name != "from"}
+    return given
+
+
+def _named(name: str) -> Any:
+    try:
+        file = find_file(name, shipped_folder("catalogs") / "pipelines", noun="pipeline")
+    except UserError as error:
+        (fault,) = error.faults
+        raise ValueError(f"{fault.what}; {fault.remedy or fault.expected}") from error
+    return read_yaml(file).data
