@@ -10,6 +10,7 @@ import numpy as np
 from safetensors.numpy import load, save
 
 from tacos_framework.contracts import Budget, Scores, State
+from tacos_framework.formation import frames_for
 from tacos_framework.testing.component import ComponentConformance
 from tacos_framework.testing.fingerprint import fingerprint
 from tacos_framework.testing.samples import part_of, sample_frames, sample_rig
@@ -34,7 +35,7 @@ class TaskConformance(ComponentConformance):
         task = self.make()
         scorer = task.begin(state=self.state(task))
         for frames in batches:
-            scorer.update(frames)
+            scorer.update(frames_for(task, frames))
         scores: Scores = scorer.scores()
         return scores
 
@@ -56,8 +57,8 @@ class TaskConformance(ComponentConformance):
     def test_scorers_do_not_share_what_they_saw(self) -> None:
         task, frames = self.make(), self.frames()
         used, fresh = (task.begin(state=self.state(task)) for _ in range(2))
-        used.update(frames)
-        fresh.update(frames)
+        used.update(frames_for(task, frames))
+        fresh.update(frames_for(task, frames))
         assert used.scores() == fresh.scores() == self.score([frames])
 
     def test_without_frames_it_scores_nothing_that_is_not_finite(self) -> None:
@@ -107,7 +108,7 @@ class TrainableConformance(TaskConformance):
         state = self.state(task)
         before = fingerprint(state)
         scorer = task.begin(state=state)
-        scorer.update(frames)
+        scorer.update(frames_for(task, frames))
         scorer.scores()
         assert fingerprint(state) == before
 
@@ -117,7 +118,7 @@ class TrainableConformance(TaskConformance):
         state = self.state(task)
         task.fit([frames], state=state, budget=Budget(epochs=1), rng=np.random.default_rng(2))
         scorer = task.begin(state=state)
-        scorer.update(frames)
+        scorer.update(frames_for(task, frames))
         assert scorer.scores() == self.score([frames])
 
     def test_equal_generators_give_equal_initial_states(self) -> None:

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import reduce
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import Camera, FrameBatch, Rig, Scores, ScoreScale, Settings, State, setting
-from tacos_framework.camera import display_image, invert_pose, rays_of_pixels
+from tacos_framework.camera import invert_pose, rays_of_pixels
 from tacos_plugins.tasks.chosen_camera import camera_index
 from tacos_plugins.tasks.consensus import seeded
 from tacos_plugins.tasks.visual_odometry.errors import MotionError, motion_error, scores_of
@@ -50,7 +49,7 @@ class VisualOdometry:
 
     An episode without a pair of frames of one walk has no scores.
 
-    Images are coded for a display first, as cameras deliver them, unless `gamma` says that they are.
+    Images are grey, coded for a display.
 
     References
     ----------
@@ -93,8 +92,8 @@ class VisualOdometry:
         least_step_m: float = setting(
             0.02, help="Way from which on its direction and length are scored.", unit="m", gt=0
         )
-        gamma: bool = setting(True, help="Whether linear frames are coded for a display first.")
 
+    wants: ClassVar[Literal["grey"]] = "grey"
     scores: ClassVar[tuple[str, ...]] = (
         "rotation",
         "direction",
@@ -172,15 +171,13 @@ class OdometryScorer:
         cameras = [views[index].camera for index in chosen]
         points = follower(config.features, points=config.points, apart_px=config.apart * cameras[0].width_px)
         for at in range(len(frames.episode)):
-            greys = (
-                grey_of(frames.images[index][at], frames.black_level_dn, frames.white_level_dn, config.gamma)
-                for index in chosen
-            )
             moment = Moment(
                 int(frames.episode.walk[at]),
                 float(frames.episode.time_s[at]),
                 views[chosen[0]].world_from_camera[at],
-                tuple(points.marked(grey) for grey in greys),
+                tuple(
+                    points.marked(np.asarray(frames.images[index][at, ..., 0], np.uint8)) for index in chosen
+                ),
             )
             self._take(moment, points, cameras)
             self._last = moment
@@ -246,20 +243,3 @@ class OdometryScorer:
 def _chained(steps: list[Any]) -> NDArray[np.float64]:
     """(4, 4) last_from_first of steps, each second_from_first."""
     return reduce(lambda done, step: step @ done, steps)
-
-
-def grey_of(
-    image_dn: NDArray[np.uint8] | NDArray[np.uint16],
-    black_level_dn: float,
-    white_level_dn: float,
-    gamma: bool,
-) -> NDArray[np.uint8]:
-    """(H, W) luma of an (H, W, C) frame, coded for a display where `gamma`, else stretched [1/255]."""
-    levels = np.arange(np.iinfo(image_dn.dtype).max + 1)
-    if gamma:
-        table = display_image(levels, black_level_dn, white_level_dn)
-    else:
-        share = (levels - black_level_dn) / (white_level_dn - black_level_dn)
-        table = np.rint(255 * np.clip(share, 0, 1)).astype(np.uint8)
-    coded = table[image_dn]
-    return np.asarray(cv2.cvtColor(coded, cv2.COLOR_RGB2GRAY) if coded.shape[2] == 3 else coded[..., 0])
