@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import re
-
 from tacos_framework import CURRENCIES
 from tacos_plugins.rigs.lens import LensPart
-from tacos_plugins.rigs.mounted_camera import MountSettings, ReadOutVariables, SensorPart
+from tacos_plugins.rigs.mounted_camera import MountSettings, ReadOutVariables, SensorPart, bits_of
 from tacos_plugins.rigs.priced_part import PRICE, total_prices
 from tacos_plugins.rigs.product import ProductPart
 
@@ -96,11 +94,6 @@ def frame_rate_fps(sensor: SensorPart, *, rows: int, product: ProductPart | None
     if sensor.row_time_us is not None and sensor.frame_lines is not None:
         rates.append(1e6 / (sensor.row_time_us * (rows + sensor.frame_lines - sensor.height_px)))
     return max(rates, default=None)
-
-
-def bits_of(bit_depth: str | None) -> int | None:
-    """The deepest of the modes a part is stated with, as in ``10/12``; None where none is [bit]."""
-    return max((int(bits) for bits in re.findall(r"\d+", bit_depth or "")), default=None)
 
 
 def _times(factor: float, value: float | None) -> float | None:

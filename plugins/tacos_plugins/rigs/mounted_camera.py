@@ -43,9 +43,6 @@ class SensorPart(PricedPart):
     high_gain_read_noise_e: float | None = setting(
         None, help="Read noise at that gain, if known.", unit="e-", ge=0
     )
-    bit_depth: str | None = setting(
-        None, help="Bits per sample it puts out, if known; the most of several modes count, as in 10/12."
-    )
     colour: Literal["colour", "mono"] | None = setting(
         None, help="Whether colour filters lie over its photosites, if known."
     )
@@ -140,7 +137,6 @@ class SensorPart(PricedPart):
     @property
     def electrons(self) -> Electrons:
         """What is known of its photosites in electrons."""
-        modes = [int(bits) for bits in re.findall(r"\d+", self.bit_depth or "")]
         return Electrons(
             self.name,
             self.quantum_efficiency,
@@ -149,8 +145,13 @@ class SensorPart(PricedPart):
             self.dark_current_e_s,
             self.high_gain_from_db,
             self.high_gain_read_noise_e,
-            max(modes, default=None),
+            bits_of(self.bit_depth),
         )
+
+
+def bits_of(bit_depth: str | None) -> int | None:
+    """The deepest of the modes a part is stated with, as in ``10/12``; None where none is [bit]."""
+    return max((int(bits) for bits in re.findall(r"\d+", bit_depth or "")), default=None)
 
 
 class MountSettings(Settings):
