@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tacos_framework import DONE, UserError
+from tacos_framework import DONE, Fault, UserError
 
 if TYPE_CHECKING:
     from tacos_gap.captures import CaptureFolder, RealCapture
@@ -53,6 +53,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="do so although code, versions or files have changed since",
     )
     simulate.add_argument("--quiet", action="store_true", help="no progress bar")
+    view = actions.add_parser("view", help="write a page that shows what each picture is taken for")
+    view.add_argument("folder", metavar="DIR", type=Path, help="folder with captures.yaml")
+    view.add_argument(
+        "--out", metavar="FILE", type=Path, help="the page; contact_sheet.html in the folder by default"
+    )
     check = actions.add_parser("check", help="check a folder; say what it holds and what it cannot tell")
     check.add_argument("folder", metavar="DIR", type=Path, help="folder with captures.yaml")
 
@@ -86,7 +91,7 @@ def _add_import(actions: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def captures(arguments: argparse.Namespace) -> int:
     """Run the chosen action."""
-    actions = {"guide": _guide, "import": _import, "simulate": _simulate, "check": _check}
+    actions = {"guide": _guide, "import": _import, "simulate": _simulate, "view": _view, "check": _check}
     return actions[arguments.action](arguments)
 
 
@@ -145,6 +150,24 @@ def _simulate(arguments: argparse.Namespace) -> int:
         options += [f"--{flag.replace('_', '-')}"] if getattr(arguments, flag) else []
     options += [] if arguments.seed is None else [f"--seed={arguments.seed}"]
     return run_main([arguments.recipe, *options])
+
+
+def _view(arguments: argparse.Namespace) -> int:
+    from tacos_gap.report.contact_sheet import contact_sheet
+    from tacos_report.page import write_page
+
+    folder = arguments.folder if arguments.folder.is_dir() else arguments.folder.parent
+    out = arguments.out or folder / "contact_sheet.html"
+    page = contact_sheet(arguments.folder)
+    try:
+        write_page(out, page)
+    except OSError as error:
+        expected = "a file in a folder that may be written in"
+        raise UserError(
+            Fault(str(out), f"cannot be written: {error.strerror or error}", expected, "Name another --out.")
+        ) from error
+    print(f"{out}: {page.title}")
+    return DONE
 
 
 def _check(arguments: argparse.Namespace) -> int:

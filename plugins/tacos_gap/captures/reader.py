@@ -43,16 +43,7 @@ def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFo
         With every fault found: wrong entries with line and column, files that are missing, cannot be read,
         or do not fit.
     """
-    path = Path(folder)
-    path = path if path.suffix in (".yaml", ".yml") else path / FILE
-    if path.name == FILE and not path.is_file():
-        raise UserError(nothing_to_read(path.parent))
-    document = read_yaml(path, aliases=True)
-    if other := something_else(path, document.data):
-        raise UserError(other)
-    entry, faults, _ = check(FolderEntry, document.data, document.where)
-    if entry is None:
-        raise UserError(faults)
+    path, document, entry = read_entries(folder)
     reader = _Reader(path.parent, document, entry, render)
     if reader.files.faults:
         raise UserError(reader.files.faults)
@@ -66,6 +57,27 @@ def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFo
     if not usable:
         raise UserError([Fault(reader.where_of[text.partition(": ")[0]], text) for text in left_out])
     return CaptureFolder(path.parent, usable, (*limits, *time_doubts(listed), *doubts(captures), *left_out))
+
+
+def read_entries(folder: str | Path) -> tuple[Path, Document, FolderEntry]:
+    """What ``captures.yaml`` says, its files not yet opened; its path, and the lines it stands in.
+
+    Raises
+    ------
+    UserError
+        When it is not there, or has entries that are wrong, with line and column.
+    """
+    path = Path(folder)
+    path = path if path.suffix in (".yaml", ".yml") else path / FILE
+    if path.name == FILE and not path.is_file():
+        raise UserError(nothing_to_read(path.parent))
+    document = read_yaml(path, aliases=True)
+    if other := something_else(path, document.data):
+        raise UserError(other)
+    entry, faults, _ = check(FolderEntry, document.data, document.where)
+    if entry is None:
+        raise UserError(faults)
+    return path, document, entry
 
 
 class _Reader:

@@ -12,6 +12,14 @@ from tacos_gap.captures.files import by_number
 _OF_SYSTEMS = frozenset({"__macosx", "@eadir", "thumbs.db", "desktop.ini"})
 """Files and folders that systems leave beside photographs, in small letters; others begin with a dot."""
 
+_CONVERTED = {
+    frozenset({".fits", ".fit", ".fts"}): "Save FITS as an array, its exposure time in the name: "
+    "`from astropy.io import fits; numpy.save('dark_10ms.npy', fits.getdata('dark.fits'))`.",
+    frozenset({".mp4", ".mov", ".avi", ".mkv", ".m4v"}): "Save single frames: "
+    "`ffmpeg -i clip.mp4 frame_%03d.png`. Video codecs smooth noise: take stills where the camera can.",
+}
+"""Files that hold pictures, by suffix, and how to get at these."""
+
 _NAMED = 3
 """Files that are named of those passed over."""
 
@@ -56,8 +64,13 @@ def pictures_in(sources: Sequence[Path]) -> tuple[list[Path], list[Path], list[s
 
 
 def passed_over(others: Sequence[Path]) -> list[str]:
-    """The sentence on files that are neither pictures nor tables, if there are any."""
-    return [f"Passed over, as no pictures that can be read: {_listed(others)}."] if others else []
+    """Sentences on files that are neither pictures nor tables: what to do about those that hold pictures."""
+    said = []
+    for suffixes, remedy in _CONVERTED.items():
+        if those := [path for path in others if path.suffix.lower() in suffixes]:
+            said.append(f"Passed over: {_listed(those)}. {remedy}")
+            others = [path for path in others if path not in those]
+    return [*said, f"Passed over, as no pictures that can be read: {_listed(others)}."] if others else said
 
 
 def _files_of(source: Path) -> Iterator[Path]:

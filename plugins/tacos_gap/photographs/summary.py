@@ -43,6 +43,7 @@ def summary(imported: Imported) -> Iterator[str]:
             )
     yield ""
     check, diagnose = shlex.quote(str(folder)), shlex.quote(f"captures={folder}")
+    yield f"Look: tacos captures view {check}"
     yield f"Next: tacos captures check {check}, then tacos-run diagnose --set {diagnose} --out out"
 
 

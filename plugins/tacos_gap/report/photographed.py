@@ -24,7 +24,7 @@ MOST = 36
 THUMBNAIL_PX = 180
 """Width of a picture on it [px]."""
 
-_TELLS = {
+TELLS = {
     "dark": "pedestal, read noise, dark current, hot pixels and noise of rows",
     "flat": "noise against signal, dark corners, pixels that respond unequally, flicker",
     "bracket": "linearity, saturation and the tone curve",
@@ -51,7 +51,7 @@ def photographed(captures: Sequence[RealCapture]) -> Iterator[Block]:
         of_kind = [capture for capture in captures if capture.kind == kind]
         frames = sum(capture.frames for capture in of_kind)
         count = f"{len(of_kind)} with {frames} frames" if frames > 1 else "1 with 1 frame"
-        rows.append((kind, count, _TELLS.get(kind, "")))
+        rows.append((kind, count, TELLS.get(kind, "")))
     yield Table(("kind", "captures", "what it tells"), tuple(rows))
 
 
@@ -66,12 +66,16 @@ def _taken(capture: RealCapture) -> str:
 
 def thumbnail(capture: RealCapture) -> NDArray[np.uint8]:
     """The first real frame, small, as a viewer would show it: black level black, full scale white."""
-    context, frame = capture.context, capture.real_dn[0]
+    return small_picture(capture.real_dn[0], capture.context.black_level_dn, capture.context.white_level_dn)
+
+
+def small_picture(frame: NDArray[Any], black_dn: float, white_dn: float) -> NDArray[np.uint8]:
+    """(H, W) or (H, W, 3) file values (H, W, C), small, as a viewer would show them."""
     height, width = frame.shape[:2]
     size = THUMBNAIL_PX, max(1, round(height * THUMBNAIL_PX / width))
-    small = cv2.resize(frame, size, interpolation=cv2.INTER_AREA).reshape(size[1], size[0], -1)
-    black, white = float(context.black_level_dn), float(context.white_level_dn)
-    shown = np.rint(255 * srgb_from_linear(np.clip((small - black) / (white - black), 0, 1)))
+    values = np.asarray(frame, np.float32)
+    small = cv2.resize(values, size, interpolation=cv2.INTER_AREA).reshape(size[1], size[0], -1)
+    shown = np.rint(255 * srgb_from_linear(np.clip((small - black_dn) / (white_dn - black_dn), 0, 1)))
     image: NDArray[np.uint8] = shown.astype(np.uint8)
     return image[..., 0] if image.shape[-1] == 1 else image
 

@@ -46,7 +46,10 @@ def test_files_that_are_passed_over_are_named(tmp_path):
     for name in ("clip.mp4", "notes.txt"):
         (tmp_path / "in" / name).write_bytes(b"x")
     found = import_photographs([tmp_path / "in"], tmp_path / "out")
-    assert "Passed over, as no pictures that can be read: clip.mp4, notes.txt." in found.doubts
+    assert "Passed over, as no pictures that can be read: notes.txt." in found.doubts
+    assert any(
+        doubt.startswith("Passed over: clip.mp4. Save single frames: `ffmpeg") for doubt in found.doubts
+    )
     (tmp_path / "in/a.png").unlink()
     with pytest.raises(UserError, match=r"holds no pictures; there is clip.mp4, notes.txt"):
         import_photographs([tmp_path / "in"], tmp_path / "other")
