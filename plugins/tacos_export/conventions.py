@@ -14,8 +14,9 @@ Pixels
     are (left, top, width, height) with edges of pixels, those of KITTI (left, top, right, bottom) with the
     first and last pixel. COLMAP and NeRF count principal points from the image's corner: half a pixel more.
 Depth
-    The distance along the optical axis (z), not along the ray; where nothing is, or beyond what 16 bits
-    hold, 0 in integer files and infinity in EXR. ``point = depth * K^-1 (x, y, 1)``.
+    The distance along the optical axis (z), not along the ray, and ``point = depth * K^-1 (x, y, 1)``; of
+    fisheyes, whose axis measures nothing to the side, along the ray (``depth_along`` in ``frames.json``).
+    Where nothing is, or beyond what 16 bits hold, 0 in integer files and infinity in EXR.
 Stamps
     Episodes begin at 1.4e9 s after 1970, so that all stamps have as many digits and names sort by time.
 Images
@@ -45,7 +46,7 @@ def depth_codes(depth_m: NDArray[np.floating], codes_per_m: float) -> NDArray[np
     Parameters
     ----------
     depth_m
-        Distance along the optical axis, infinite where nothing is [m].
+        Depth as `View.depth_m` has it, infinite where nothing is [m].
     codes_per_m
         1000 for millimetres, 256 for KITTI, 5000 for TUM [1/m].
 

@@ -10,10 +10,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tacos_framework.camera import pixels_of_rays
 from tacos_framework.errors import UserError
 from tacos_framework.testing.samples import sample_capture, sample_rig
-from tacos_framework.values import Capture, FrameBatch
-from tacos_plugins.tasks.followed_features import FollowedFeatures, extract_spread, grey_image
+from tacos_framework.values import Camera, Capture, FrameBatch, Lens
+from tacos_plugins.tasks.followed_features import (
+    Features,
+    FollowedFeatures,
+    extract_spread,
+    follow,
+    grey_image,
+    with_rays,
+)
 from tacos_plugins.tasks.orb_features import LEAST_PATCH_PX, OrbFeatures, Scale
 
 WIDTH, HEIGHT = 320, 240
@@ -280,3 +288,34 @@ def test_more_cells_than_features_leave_one_to_each():
     """Their even share is below one: rounded down, no frame would have any feature."""
     frames = frames_of(panning(2))
     assert score(frames, features=20, cells=(8, 6), patch_px=15)["extracted"] > 20
+
+
+# fisheyes ---------------------------------------------------------------------------------------------------
+
+
+def moved_points(lens, noise_px, count=400):
+    """Features of a fisheye before and after a step and a turn, with their noise, and as many false ones."""
+    rng = np.random.default_rng(3)
+    camera = Camera("fisheye", 848, 800, pixel_um=3.0, focal_length_mm=0.846, lens=lens)
+    points = rng.normal(size=(4 * count, 3))
+    points *= rng.uniform(2, 6, (4 * count, 1)) / np.linalg.norm(points, axis=1, keepdims=True)
+    turned = points @ cv2.Rodrigues(np.array([0.02, 0.1, -0.03]))[0].T + (0.2, 0.05, -0.1)
+    pixels = [pixels_of_rays(each, camera) for each in (points, turned)]
+    seen = np.flatnonzero(np.isfinite(np.concatenate(pixels, axis=1)).all(axis=1))[:count]
+    descriptors = rng.integers(0, 256, (count, 32), dtype=np.uint8)
+    found = []
+    for each in pixels:
+        px = np.float32(each[seen] + rng.normal(0, noise_px, (count, 2)))
+        found.append(with_rays(Features(px, descriptors), camera))
+    wrong = rng.permutation(count)[: count // 4]
+    found[1].rays_px[wrong] = np.roll(found[1].rays_px[wrong], 1, axis=0)
+    rays = found[0].rays_px[:, 2] / np.linalg.norm(found[0].rays_px, axis=1)
+    assert (rays < 0).sum() > 20  # some look backwards
+    return found
+
+
+def test_one_motion_explains_what_a_fisheye_sees_even_beside_it():
+    first, second = moved_points(Lens("equidistant", half_field_deg=110), 0.2)
+    found = follow(first, second, threshold_px=2.0, confidence=0.999, seed=1)
+    assert found.matches == 400
+    assert 290 <= found.inliers <= 330  # three quarters, and false ones by chance

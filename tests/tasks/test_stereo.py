@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 
 from tacos_framework.camera.geometry import agent_from_camera
 from tacos_framework.errors import CandidateFailed
-from tacos_framework.values import Rig
+from tacos_framework.values import Lens, Rig
 from tacos_plugins.rigs.stereo import StereoRig
 from tacos_plugins.tasks.stereo.depth_scores import DepthScores
 from tacos_plugins.tasks.stereo.pair import StereoPair, stereo_pair
@@ -100,6 +101,10 @@ def turned(position_m, yaw):
         (
             moved(stereo_rig(), 1, agent_from_camera=agent_from_camera((0.1, -0.15, 0.0), pitch_deg=0.0)),
             "not parallel and side by side",
+        ),
+        (
+            Rig(tuple(replace(each, lens=Lens("equidistant")) for each in stereo_rig().cameras)),
+            "have equidistant lenses: stereo needs rectified images",
         ),
         (stereo_rig(height_px=31), "images of 128 x 31 px are too small for stereo: 32 x 32 px are needed"),
         (

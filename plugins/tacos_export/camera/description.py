@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_export.camera.lens import LensModel, described_lens
 from tacos_export.camera.noise import NoiseDescription, describe_noise
 from tacos_export.conventions import at_full_resolution
 from tacos_framework import Camera, Rig, moves_pixels
@@ -16,9 +16,6 @@ from tacos_framework.formation import PlacedEffect
 from tacos_plugins.effects.lens_distortion import LensDistortion
 from tacos_view.cameras import built_rig
 from tacos_view.setup import RenderSetup
-
-LensModel = Literal["brown", "fisheye"]
-"""OpenCV's: Brown and Conrady with (k1, k2, p1, p2, k3), Kannala and Brandt with (k1, k2, k3, k4)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +52,7 @@ def describe_cameras(setup: RenderSetup, *, simulated: bool = False) -> tuple[Ca
     described = []
     rig = setup.rig if simulated else whole_rig(setup)
     for camera in rig.cameras:
-        lens, distortion, limitations = lens_of(setup.effects, camera.name)
+        lens, distortion, limitations = lens_of(setup.effects, camera)
         shown = camera if simulated else at_full_resolution(camera)
         noise = describe_noise(setup.sensor.at(camera.name), shown, setup.exposure)
         described.append(CameraDescription(shown, lens, distortion, noise, limitations))
@@ -75,19 +72,18 @@ def whole_rig(setup: RenderSetup) -> Rig:
 
 
 def lens_of(
-    effects: Sequence[PlacedEffect], camera: str
+    effects: Sequence[PlacedEffect], camera: Camera
 ) -> tuple[LensModel, tuple[float, ...], tuple[str, ...]]:
-    """Model and coefficients of a camera's distortion, and what else moves its pixels."""
-    model: LensModel = "brown"
-    coefficients: tuple[float, ...] = (0.0,) * 5
-    limitations = []
-    distorting = 0
+    """Model and coefficients of a camera's lens, or of the effect that distorts a pinhole's images."""
+    lens = described_lens(camera)
+    model, coefficients, limitations = lens.model, lens.coefficients, [*lens.limitations]
+    distorted = not camera.lens.is_pinhole
     for effect in effects:
-        config = effect.config_at(camera)
+        config = effect.config_at(camera.name)
         if config is None or not moves_pixels(effect.cls):
             continue
-        if isinstance(config, LensDistortion.Config) and not distorting:
-            distorting += 1
+        if isinstance(config, LensDistortion.Config) and not distorted:
+            distorted = True
             model = config.model
             c = config
             coefficients = (c.k1, c.k2, c.k3, 0.0) if model == "fisheye" else (c.k1, c.k2, c.p1, c.p2, c.k3)

@@ -75,7 +75,7 @@ def export_dataset(
         raise UserError(Fault(str(out), "the folder is not empty", "a new folder", "Name another by --out."))
     lenses, notes = {}, []
     for camera in setup.rig.cameras:
-        lens, distortion, said = lens_of(setup.effects, camera.name)
+        lens, distortion, said = lens_of(setup.effects, camera)
         lenses[camera.name] = DatasetCamera(lens, distortion)
         notes += [f"{camera.name}: {each}" for each in said]
     curved = any(issubclass(effect.cls, ToneCurve) for effect in setup.effects)
@@ -130,7 +130,8 @@ class Manifest:
             "camera": title,
             "encoding": encoding,
             "conventions": "x right, y down, z forward; metres; pixel (0, 0) has its centre at (0, 0); depth "
-            "is along z; poses take points of the camera to the world",
+            "is along z, or along the ray where depth_along says so; poses take points of the camera to the "
+            "world",
             "cameras": {
                 camera.name: {
                     "width_px": camera.width_px,
@@ -138,6 +139,7 @@ class Manifest:
                     "intrinsics": camera.intrinsics.tolist(),
                     "lens": dataset.lenses[camera.name].lens,
                     "distortion": list(dataset.lenses[camera.name].distortion),
+                    "depth_along": "axis" if camera.lens.is_rectilinear else "ray",
                     "body_from_camera": camera.agent_from_camera.tolist(),
                 }
                 for camera in dataset.rig.cameras

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_export.camera.description import LensModel
+from tacos_export.camera.lens import LensModel
 from tacos_framework import Fault, FrameBatch, Rig, UserError, View, World
 from tacos_framework.camera import display_image
 
@@ -104,7 +104,9 @@ def refuse_k3(dataset: Dataset, format: str) -> None:
 
 def distortion_faults(dataset: Dataset, format: str) -> list[Fault]:
     """A fault where images are distorted, of which a format knows nothing."""
-    distorted = [name for name, lens in dataset.lenses.items() if any(lens.distortion)]
+    distorted = [
+        name for name, lens in dataset.lenses.items() if lens.lens == "fisheye" or any(lens.distortion)
+    ]
     what = f"images of {', '.join(distorted)} are distorted"
     return [Fault(f"--format {format}", what, "rectified images")] if distorted else []
 

@@ -75,6 +75,6 @@ class NerfWriter:
             "cy": cy,
             "w": camera.width_px,
             "h": camera.height_px,
-            "camera_angle_x": 2 * math.atan(camera.width_px / 2 / camera.focal_length_px),
+            "camera_angle_x": math.radians(camera.hfov_deg),
             **dict(zip(names, lens.distortion, strict=False)),
         }

@@ -6,13 +6,14 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
 from tacos_framework import Lens, Projection, Settings, UserError, read_yaml, setting
 from tacos_framework.files import read_text
+from tacos_plugins.rigs.optics import LISTED, Coefficients
 
 MOST_UNEVEN = 0.02
 """Largest relative difference of the focal lengths across and down; pixels are square here."""
@@ -33,9 +34,9 @@ class CalibratedLens(Settings):
     width_px: int = setting(help="Width of the images it was calibrated with.", unit="px", ge=1)
     height_px: int = setting(help="Height of those images.", unit="px", ge=1)
     focal_length_px: float = setting(help="Focal length on the axis.", unit="px", gt=0)
-    centre_px: tuple[float, float] = setting(help="Principal point (x, y).", unit="px")
+    centre_px: Annotated[tuple[float, float], LISTED] = setting(help="Principal point (x, y).", unit="px")
     projection: Projection = setting(help="Its projection.")
-    coefficients: tuple[float, ...] = Field((), description="In OpenCV's order.")
+    coefficients: Coefficients = setting((), help="In OpenCV's order.")
 
     @model_validator(mode="before")
     @classmethod

@@ -12,7 +12,7 @@ from pydantic import ConfigDict, model_validator
 from tacos_framework import Constraint, Lens, Projection, setting
 from tacos_plugins.rigs.lens_curve import lens_of_curve
 from tacos_plugins.rigs.mounted_camera import SensorPart
-from tacos_plugins.rigs.optics import Optics
+from tacos_plugins.rigs.optics import Coefficients, Optics
 from tacos_plugins.rigs.priced_part import PricedPart
 
 FITS = {"M12": ("M12",), "M8": ("M8",), "CS": ("CS",), "C": ("C", "CS")}
@@ -49,7 +49,7 @@ class LensPart(PricedPart):
         "rectilinear",
         help="Its projection; that of a fisheye of which nobody states it is taken as equidistant.",
     )
-    coefficients: tuple[float, ...] = setting((), help="Coefficients of the projection, in OpenCV's order.")
+    coefficients: Coefficients = setting((), help="Coefficients of the projection, in OpenCV's order.")
     curve: str | None = setting(
         None, help="Distance from the image centre against the field angle, as in r/R = 0.64*t - 0.03*t^2."
     )

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
+from pydantic import BeforeValidator
 
 from tacos_framework import PINHOLE, Lens
 
 if TYPE_CHECKING:
     from tacos_plugins.rigs.mounted_camera import SensorPart
+
+LISTED = BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)
+"""Lists of files and recipes are tuples of settings."""
+
+Coefficients = Annotated[tuple[float, ...], LISTED]
 
 
 @dataclass(frozen=True)

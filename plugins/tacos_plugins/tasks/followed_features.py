@@ -3,26 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera import LUMINANCE_WEIGHTS
+from tacos_framework import Camera
+from tacos_framework.camera import LUMINANCE_WEIGHTS, rays_of_pixels
 from tacos_plugins.tasks.consensus import seeded
 
 MATCHES_NEEDED = 8
 """Fewer matches fix no fundamental matrix with one to spare: seven define it, the eighth tests it."""
 
 
+_AHEAD = float(np.cos(np.radians(70)))
+
+
 @dataclass(frozen=True, eq=False)
 class Features:
-    """Keypoints (K, 2) float32 [px] and descriptors (K, 32) uint8 of one frame."""
+    """Keypoints (K, 2) float32 [px] and descriptors (K, 32) uint8 of one frame.
+
+    Of a fisheye also (K, 3) where they look, as vectors of the focal length's length [px].
+    """
 
     points_px: NDArray[np.float32]
     descriptors: NDArray[np.uint8]
+    rays_px: NDArray[np.float64] | None = None
 
     def __len__(self) -> int:
         return len(self.points_px)
@@ -96,6 +104,14 @@ def _features(keypoints: Sequence[Any], descriptors: NDArray[np.uint8] | None) -
     return Features(points, np.asarray(descriptors, np.uint8))
 
 
+def with_rays(features: Features, camera: Camera) -> Features:
+    """Features that know where they look, if the camera is no pinhole."""
+    if camera.lens.is_pinhole:
+        return features
+    rays = np.nan_to_num(rays_of_pixels(features.points_px, camera))
+    return replace(features, rays_px=rays * camera.focal_length_px)
+
+
 def follow(
     first: Features, second: Features, *, threshold_px: float, confidence: float, seed: int
 ) -> FollowedFeatures:
@@ -116,13 +132,40 @@ def follow(
     inliers = 0
     if len(matches) >= MATCHES_NEEDED:
         consensus = seeded(threshold_px=threshold_px, confidence=confidence, seed=seed)
-        fundamental, mask = cv2.findFundamentalMat(
-            first.points_px[[match.queryIdx for match in matches]],
-            second.points_px[[match.trainIdx for match in matches]],
-            consensus,
-        )
-        inliers = 0 if fundamental is None else int(np.count_nonzero(mask))
+        before, after = [match.queryIdx for match in matches], [match.trainIdx for match in matches]
+        if first.rays_px is not None and second.rays_px is not None:
+            inliers = _agreeing_rays(first.rays_px[before], second.rays_px[after], consensus)
+        else:
+            fundamental, mask = cv2.findFundamentalMat(
+                first.points_px[before], second.points_px[after], consensus
+            )
+            inliers = 0 if fundamental is None else int(np.count_nonzero(mask))
     return FollowedFeatures((len(first) + len(second)) / 2, len(matches), inliers)
+
+
+def _agreeing_rays(first: NDArray[np.float64], second: NDArray[np.float64], consensus: Any) -> int:
+    """How many pairs of (M, 3) rays agree with one rigid motion of a camera.
+
+    The motion is sought where both look far enough ahead for a flat image. All count whose angle to their
+    epipolar plane, either way, is at most the threshold on the axis.
+    """
+    lengths = np.linalg.norm([first, second], axis=2)
+    ahead = ((np.stack([first[:, 2], second[:, 2]]) > _AHEAD * lengths) & (lengths > 0)).all(axis=0)
+    if np.count_nonzero(ahead) < MATCHES_NEEDED:
+        return 0
+    focal_px = float(lengths.max())
+    before, after = (
+        (rays[ahead, :2] / rays[ahead, 2:] * focal_px).astype(np.float32) for rays in (first, second)
+    )
+    fundamental, _ = cv2.findFundamentalMat(before, after, consensus)
+    if fundamental is None or fundamental.shape != (3, 3):
+        return 0
+    onto_flat = np.diag([1.0, 1.0, 1 / focal_px])  # the third of a flat point is 1, that of a ray z / f
+    essential = onto_flat @ fundamental @ onto_flat
+    normals, backwards = first @ essential.T, second @ essential
+    off = np.abs(np.einsum("ij,ij->i", second, normals))
+    farthest = np.maximum(off / np.linalg.norm(normals, axis=1), off / np.linalg.norm(backwards, axis=1))
+    return int(np.count_nonzero((farthest <= consensus.threshold) & (lengths > 0).all(axis=0)))
 
 
 def match(first: Features, second: Features) -> Sequence[Any]:

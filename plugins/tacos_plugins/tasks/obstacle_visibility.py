@@ -63,7 +63,7 @@ class ObstacleVisibility:
         )
         within_m: float | None = setting(
             None,
-            help="For seen_ratio, count only pixels at most this far along the optical axis; by default any.",
+            help="For seen_ratio, count only pixels of at most this depth; by default any.",
             unit="m",
             gt=0,
         )

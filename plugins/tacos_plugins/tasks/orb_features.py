@@ -20,6 +20,7 @@ from tacos_plugins.tasks.followed_features import (
     extract_spread,
     follow,
     grey_image,
+    with_rays,
 )
 
 LEAST_PATCH_PX = 5
@@ -234,7 +235,8 @@ class OrbScorer:
     def update(self, frames: FrameBatch) -> None:
         """Take in the next frames."""
         index = camera_index(frames, self._config.camera, where="task.orb-features")
-        scale = Scale.of(self._config, frames.capture.views[index].camera.simulated_binning)
+        camera = frames.capture.views[index].camera
+        scale = Scale.of(self._config, camera.simulated_binning)
         orb = scale.detector(self._config)
         episode = frames.episode
         for walk, time_s, image in zip(
@@ -245,7 +247,7 @@ class OrbScorer:
                 found = extract(orb, grey)
             else:
                 found = extract_spread(orb, grey, cells=self._config.cells, most=scale.features)
-            frame = LastFrame(walk, time_s, found)
+            frame = LastFrame(walk, time_s, with_rays(found, camera))
             if self._last is not None and self._are_pair(self._last, frame):
                 self._pairs.append(self._follow(self._last.features, frame.features, scale))
             self._last = frame

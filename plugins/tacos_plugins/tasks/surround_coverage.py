@@ -45,7 +45,7 @@ class SurroundCoverage:
         )
         within_m: float = setting(
             6.0,
-            help="For things_seen, the farthest pixels that count, along the optical axis.",
+            help="For things_seen, the farthest pixels that count, by depth.",
             unit="m",
             gt=0,
         )

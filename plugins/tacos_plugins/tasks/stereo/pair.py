@@ -126,6 +126,10 @@ def _fault(left: Camera, right: Camera, smallest_px: int) -> str | None:
     sizes = [(camera.width_px, camera.height_px) for camera in (left, right)]
     if sizes[0] != sizes[1] or not np.allclose(left.intrinsics, right.intrinsics, rtol=ALIGNED):
         return f"{names} differ in size, focal length or principal point: stereo needs two equal cameras"
+    if not (left.lens.is_pinhole and right.lens.is_pinhole):
+        lens = (right if left.lens.is_pinhole else left).lens
+        kind = f"{lens.projection} lenses" if not lens.is_rectilinear else "distorted or dark corners"
+        return f"{names} have {kind}: stereo needs rectified images, those of pinholes"
     if min(sizes[0]) < smallest_px:
         return (
             f"images of {left.width_px} x {left.height_px} px are too small for stereo: "
