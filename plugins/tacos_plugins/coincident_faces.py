@@ -24,6 +24,20 @@ def numbered(rows: NDArray[np.int64]) -> NDArray[np.int64]:
     return number
 
 
+def _places(points_m: NDArray[np.float64]) -> NDArray[np.int64]:
+    """(N,) a number for each point, equal for those hardly apart: sides of a sheet differ by rounding."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    cell = numbered(np.round((points_m - points_m.min(axis=0)) / _SAME_PLACE_M).astype(np.int64))
+    one_of = np.zeros((int(cell.max()) + 1, 3))
+    one_of[cell] = points_m
+    near = cKDTree(one_of).query_pairs(_SAME_PLACE_M, output_type="ndarray")  # a border between cells apart
+    joined = coo_array((np.ones(len(near), bool), near.T), (len(one_of), len(one_of)))
+    return np.asarray(connected_components(joined, directed=False)[1][cell], np.int64)
+
+
 def corners_behind(
     vertices_m: NDArray[np.floating], triangles: NDArray[np.integer], other: NDArray[np.int64]
 ) -> NDArray[np.int64]:
@@ -69,8 +83,7 @@ def other_sides(corners_m: NDArray[np.floating]) -> NDArray[np.int64]:
     if not count:
         return np.zeros(0, np.int64)
     points = corners_m.reshape(-1, 3).astype(np.float64)
-    places = np.round((points - points.min(axis=0)) / _SAME_PLACE_M).astype(np.int64)
-    corner = numbered(places).reshape(-1, 3)
+    corner = _places(points).reshape(-1, 3)
     lowest = np.argmin(corner, axis=1)
     ahead = np.take_along_axis(corner, (lowest[:, None] + np.arange(3)) % 3, axis=1)
     number = numbered(np.concatenate([ahead, ahead[:, [0, 2, 1]]]))

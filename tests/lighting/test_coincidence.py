@@ -33,6 +33,25 @@ def test_the_other_side_of_a_turned_sheet_is_found(place, turn, shuffle) -> None
     assert other_sides(corners).tolist() == [2, 3, 0, 1, -1, -1]
 
 
+@given(place=places, turn=turns, gap_m=st.floats(-5e-5, 5e-5), seed=st.integers(0, 2**32 - 1))
+def test_sides_apart_by_rounding_are_sides_of_one_sheet(place, turn, gap_m, seed) -> None:
+    """As of a file whose sides were moved, or turned, one by one."""
+    points = sheet(place, turn).astype(float)
+    normal = np.cross(points[1] - points[0], points[2] - points[0])
+    away = np.random.default_rng(seed).uniform(-1e-5, 1e-5, points.shape)
+    back = points + gap_m * normal / np.linalg.norm(normal) + away
+    corners = np.concatenate([points[TWO], back[TWO[:, ::-1]]]).astype(np.float32)
+    assert other_sides(corners).tolist() == [2, 3, 0, 1]
+
+
+@given(place=places, turn=turns, gap_m=st.floats(1e-3, 0.05))
+def test_sides_of_a_thin_board_are_not(place, turn, gap_m) -> None:
+    points = sheet(place, turn).astype(float)
+    normal = np.cross(points[1] - points[0], points[2] - points[0])
+    back = points + gap_m * normal / np.linalg.norm(normal)
+    assert set(other_sides(np.concatenate([points[TWO], back[TWO[:, ::-1]]]))) == {-1}
+
+
 def test_corners_of_the_other_side_lie_at_the_same_places() -> None:
     points = np.concatenate([sheet((1, 2, 3), (0.3, 0, 1))] * 2)
     triangles = np.concatenate([TWO, 4 + np.roll(TWO[:, ::-1], 1, axis=1)])

@@ -208,7 +208,8 @@ def _of_obstacles(config: ImportedSettings, objects: Sequence[Object]) -> Iterat
     """
     classes = {thing.class_name for thing in objects[1:]}
     missing = [name for name in config.obstacles if name not in classes]
-    if not missing or (config.sampling == "walk" and "obstacles" not in config.model_fields_set):
+    asked_for = config.obstacles != type(config).model_fields["obstacles"].default
+    if not missing or (config.sampling == "walk" and not asked_for):
         return
     remedy = did_you_mean(missing[0], classes) if classes else "Nothing in the file is labelled: see labels."
     if config.sampling == "approaches" and len(missing) == len(config.obstacles):

@@ -216,6 +216,12 @@ def test_all_that_is_wrong_is_told_at_once(house: Path, tmp_path: Path) -> None:
         )
 
 
+def test_obstacles_that_no_file_has_are_doubted_where_somebody_asked_for_them(house: Path) -> None:
+    (doubt,) = scene(house, obstacles=("stair",)).remarks
+    assert "nothing in the file is of the class stair (obstacles)" in doubt
+    assert scene(house).remarks == scene(house, obstacles=("threshold",)).remarks == ()
+
+
 def test_waypoints_are_walked_by_and_those_off_the_floor_refused(house: Path) -> None:
     way = ((1.0, 2.0), (5.0, 2.0))
     imported = scene(house, waypoints_m=way, frame_rate_hz=2.0)
