@@ -6,9 +6,10 @@ from collections.abc import Iterator
 
 from tacos_report import sections, story
 from tacos_report.figures.footprints import footprints
-from tacos_report.page import Block, Drawing, Hero, Legend, Page, PagePicture, Warnings
+from tacos_report.page import Block, Drawing, Hero, Legend, Page, PagePicture, Paragraph, Warnings
 from tacos_report.palette import camera_variable
 from tacos_report.pictures import MOST_ENLARGED, picture
+from tacos_report.plain_values import text
 from tacos_report.quantities import measured, row_detail, shown, words
 from tacos_report.sections.cameras import OF_PURCHASE
 from tacos_report.study_data import StudyData
@@ -31,7 +32,9 @@ def study_page(study: StudyData) -> Page:
 
 
 def _header(study: StudyData) -> Iterator[Block]:
-    """The designed camera's picture and facts, the colours of the cameras, what to know before all else."""
+    """What was simulated, the designed camera, the colours of the cameras, what to know before all else."""
+    if conditions := text(study.result.get("conditions")):
+        yield Paragraph(conditions)
     if (hero := _hero(study)) is not None:
         yield hero
     if len(study.cameras) > 1:

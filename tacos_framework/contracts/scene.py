@@ -14,7 +14,7 @@ from tacos_framework.values import Episode
 class Scene(Protocol):
     """Makes worlds and the agent's trips through them.
 
-    `SceneBase` has an optional member.
+    `SceneBase` has the optional members.
     """
 
     Config: ClassVar[type[Settings]]
@@ -32,6 +32,9 @@ class SceneBase:
 
     carrier: ClassVar[str] = ""
     """What carries the cameras through the world, in a word: ``person``, ``car``, ... Reports draw it."""
+
+    one_world: ClassVar[bool] = False
+    """Whether every episode is a trip through the same world, so that unseen scenes are other trips only."""
 
     remarks: tuple[str, ...] = ()
     """Doubts about the files of its world, and statements in them that are not carried out. May open them."""

@@ -109,6 +109,29 @@ def inadmissible(plan: Plan) -> dict[str, str]:
     return {name: broken.sentence for name, broken in found.items() if broken is not None}
 
 
+AT_BOUND = 0.01
+"""A variable this near to a bound, as a share of its range, stands at it."""
+
+
+def notes_on_bounds(plan: Plan, values: Mapping[str, Any]) -> Iterator[str]:
+    """Variables of a camera that stand at the end of their range, in a sentence each."""
+    for variable in plan.space.as_data():
+        value, lower, upper = (
+            values.get(variable["name"]),
+            variable.get("lower"),
+            variable.get("upper"),
+        )
+        if not isinstance(value, int | float) or lower is None or upper is None:
+            continue
+        near = min((lower, upper), key=lambda end: abs(value - end))
+        if abs(value - near) <= AT_BOUND * (upper - lower):
+            unit = "" if variable["unit"] in ("", "1") else f" {variable['unit']}"
+            yield (
+                f"{variable['name']} of the designed camera stands at its bound of {near:g}{unit}: better "
+                f"cameras may lie beyond. Widen design.{variable['name']}, or mind why it ends there."
+            )
+
+
 def notes_on_camera(plan: Plan, values: Mapping[str, Any]) -> Iterator[str]:
     """Sentences on one camera: doubts about its parts, what to ask their makers, what its rig says."""
     for variable in _catalog_choices(plan):

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from tacos_framework import __version__
 from tacos_framework.contracts import SceneBase, TaskBase, optional
 from tacos_framework.fitness import standard_errors
 from tacos_framework.plan import Plan
+from tacos_framework.plan.conditions import conditions
 from tacos_framework.plan.notes import (
     inadmissible,
+    notes_on_bounds,
     notes_on_camera,
     notes_on_constraints,
     notes_on_noise,
@@ -21,6 +24,7 @@ from tacos_framework.simulation import Evaluation
 from tacos_framework.study.degenerate import degenerate
 from tacos_framework.study.kept_evaluation import as_data
 from tacos_framework.study.records import candidate_record
+from tacos_framework.study.score_spread import ScoreSpread, full_scores, score_spreads
 from tacos_framework.study.search import Search
 from tacos_framework.study.unseen_test import UnseenTest
 
@@ -73,6 +77,11 @@ class Outcome:
             "derived_units": dict(self.plan.rig.cls.derived_quantities),
             "design_space": self.plan.space.as_data(),
             "fitness": [{"score": term.score, "weight": term.weight} for term in self.plan.recipe.fitness],
+            "conditions": conditions(self.plan),
+            "scores": {
+                name: {"share_of_variance": spread.share_of_variance, "full": spread.full}
+                for name, spread in self._spreads.items()
+            },
             "lower_is_better": sorted(
                 f"{name}.{score}"
                 for name, node in self.plan.nodes.items()
@@ -110,17 +119,15 @@ class Outcome:
             "free": list(search.space.names) if search.space else [],
         }
 
-    def _scores_all_alike(self) -> Iterator[str]:
-        """Scores of the fitness that are the same for all cameras of the test, and so decide nothing."""
+    @cached_property
+    def _spreads(self) -> dict[str, ScoreSpread]:
+        """How far each score of the fitness tells the cameras of the test apart."""
         everyone = self.test.on_common_scenes.values() if self.test else ()
-        tested = [evaluation for evaluation in everyone if evaluation.fitness is not None]
-        for term in self.plan.recipe.fitness:
-            found = {evaluation.scores.get(term.score) for evaluation in tested}
-            if term.weight and len(tested) > 1 and len(found) == 1 and (value := found.pop()) is not None:
-                yield (
-                    f"{term.score} is {value:g} for all {len(tested)} cameras of the test, so it told none "
-                    "apart: choose scenes or light in which it differs, or leave it out."
-                )
+        blocks = [evaluation.blocks for evaluation in everyone if evaluation.fitness is not None]
+        terms = [term.score for term in self.plan.recipe.fitness if term.weight]
+        scenarios = [name for name, _ in self.plan.fitness.scenarios]
+        names = [f"{scenario}/{score}" for scenario in scenarios for score in terms] if scenarios else terms
+        return score_spreads(names, blocks)
 
     def failed(self) -> dict[str, str]:
         """Cameras of which no candidate could be scored, and why the last of them could not."""
@@ -156,10 +163,17 @@ class Outcome:
                     f"Not to choose from, as their {', '.join(variable['columns'])} are not all known: "
                     f"{', '.join(left_out)} ({variable['catalog']})."
                 )
-        yield from self._scores_all_alike()
+        if full := full_scores(self._spreads):
+            yield full
+        if self.test and any(optional(node.cls, SceneBase, "one_world") for node in self.plan.nodes.values()):
+            yield (
+                "All scenes are trips through one world: those of the test are other ways through it. How "
+                "the cameras do in other places is left open."
+            )
         yield from notes_on_search(self.plan)
         yield from notes_on_constraints(self.plan)
         if (best := self.searches[0].best) is not None:
+            yield from notes_on_bounds(self.plan, best.values)
             yield from notes_on_camera(self.plan, best.values)
         chosen = [search.best.values for search in self.searches if search.best is not None]
         yield from notes_on_noise(self.plan, chosen)

@@ -35,6 +35,7 @@ class ImportedScene:
     """
 
     carrier: ClassVar[str] = "person"
+    one_world: ClassVar[bool] = True
 
     Config = ImportedSettings
 

@@ -1,0 +1,53 @@
+"""What a study simulates, in a sentence, and variables that end at a bound."""
+
+from __future__ import annotations
+
+import pytest
+
+from tacos_framework import load_recipe
+from tacos_framework.plan import make_plan
+from tacos_framework.plan.conditions import conditions
+from tacos_framework.plan.notes import notes_on_bounds
+from tacos_framework.plugins import Plugins
+
+
+@pytest.fixture(scope="module")
+def plugins():
+    return Plugins.discover()
+
+
+def test_light_exposure_effects_and_noise_are_said(plugins):
+    plan = make_plan(
+        load_recipe(
+            "headset_quick",
+            {
+                "nodes.frames": {"use": "sensor.camera", "in": {"capture": "capture"}},
+                "effects": [{"use": "effect.motion-blur", "speed_deg_s": 60}],
+            },
+        ),
+        plugins,
+    )
+    said = conditions(plan)
+    assert said.startswith("Simulated: 20 lux, 30 ms, f/2, 5 dB; effects of the camera: motion-blur (speed")
+    assert "noise by sensor.camera, with figures assumed for 43 of 43 parts." in said
+
+
+def test_what_is_designed_and_controlled_is_said(plugins):
+    plan = make_plan(
+        load_recipe("headset_quick", {"design.scenario.exposure_ms": {"between": [1, 30]}}), plugins
+    )
+    assert "20 lux, exposure_ms as designed, f/2" in conditions(plan)
+    assert "no effects beyond noise" in conditions(plan)
+    controlled = make_plan(load_recipe("headset_exposure"), plugins)
+    assert "from which control.mean-level sets time and gain" in conditions(controlled)
+
+
+@pytest.mark.parametrize(
+    ("pitch_deg", "said"), [(-30, "bound of -30 deg"), (29.6, "bound of 30 deg"), (0, "")]
+)
+def test_a_variable_at_its_bound_is_named(plugins, pitch_deg, said):
+    plan = make_plan(load_recipe("headset_quick"), plugins)
+    values = plan.space.decode([0.5 * (gene.lower + gene.upper) for gene in plan.space.genes]).as_dict()
+    notes = list(notes_on_bounds(plan, {**values, "pitch_deg": pitch_deg}))
+    assert len(notes) == (1 if said else 0)
+    assert said in "".join(notes)
