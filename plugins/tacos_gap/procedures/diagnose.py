@@ -38,6 +38,8 @@ from tacos_gap.inference.problem import placed
 from tacos_gap.procedures.checks import check_all, check_captures
 from tacos_gap.procedures.progress import Telling
 from tacos_gap.report import task_words
+from tacos_gap.report.limits_in_words import limits_in_words, sentence
+from tacos_gap.report.one_wall import of_one_wall
 from tacos_gap.report.page import Circumstances, page
 from tacos_gap.report.undiagnosed import undiagnosed_page, undiagnosed_summary
 from tacos_gap.simulation.bench import recipe_renderer
@@ -143,10 +145,11 @@ class Diagnose:
         progress.phase("Scoring tasks", None)
         scored = score_tasks(folder.captures, lambda capture: placed(causes, capture.id), tasks, seed)
         scores = {name: score.as_data() for name, score in task_gap(scored).items()}
-        limits = (*diagnosis.limitations, *scored.left_out)
+        limits = (*diagnosis.limitations, *of_one_wall(diagnosis, folder.captures), *scored.left_out)
         diagnosis = replace(diagnosis, task=scores, limitations=limits)
         progress.step(", ".join(scores) or "no captures they could be scored on")
-        data = diagnosis.as_data()
+        shown = limits_in_words(diagnosis.detectable, considered.effects, folder.captures[0].geometry)
+        data = {**diagnosis.as_data(), "detectable_in_words": shown}
         added = patched(diagnosis.causes, Photographed.of(folder.captures))
         _write(out, data, added)
         decision: dict[str, Any] = {}
@@ -156,7 +159,7 @@ class Diagnose:
             except (ContextMissing, KeepsFailing) as missing:
                 why = f"{question.study} cannot be run with the causes: {missing}."
                 diagnosis = replace(diagnosis, limitations=(*diagnosis.limitations, why))
-            data = {**diagnosis.as_data(), "decision": decision}
+            data = {**diagnosis.as_data(), "detectable_in_words": shown, "decision": decision}
             _write(out, data, added)
         progress.phase("Drawing the report", None)
         run = Circumstances(
@@ -169,7 +172,7 @@ class Diagnose:
             considered=considered.effects,
         )
         write_page(out / "report.html", page(diagnosis, folder, run))
-        return {"diagnosis": data, "summary": summary(diagnosis, decision)}
+        return {"diagnosis": data, "summary": summary(diagnosis, decision, shown)}
 
     def _question(self) -> Question | None:
         """The study to decide on."""
@@ -202,6 +205,10 @@ class Diagnose:
         return shlex.join([*words, "--seed", str(seed), "--out", "out"])
 
 
+LIMITS_SHOWN = 5
+"""Detection limits that the summary of a diagnosis without a gap names."""
+
+
 def _write(out: Path, data: Mapping[str, Any], patch: str) -> None:
     """Write each file whole or not at all: an earlier diagnosis stays where this one is broken off."""
     told = json.dumps(data, indent=1, ensure_ascii=False) + "\n"
@@ -216,8 +223,12 @@ def _valued(name: str, parameter: Parameter) -> str:
     return f"{name} {parameter.value}{unit}" + (f" ({found.value:g} {found.unit})" if found else "")
 
 
-def summary(diagnosis: Diagnosis, decision: Mapping[str, Any] | None = None) -> str:
-    """What was found, in a few lines."""
+def summary(
+    diagnosis: Diagnosis,
+    decision: Mapping[str, Any] | None = None,
+    shown_from: Mapping[str, str] | None = None,
+) -> str:
+    """What was found, in a few lines; where there is no gap, also what would have shown, by effect."""
     said = {
         "no_gap": "No gap: the captures differ from the simulation by no more than its own noise.",
         "explained": "Explained.",
@@ -244,6 +255,10 @@ def summary(diagnosis: Diagnosis, decision: Mapping[str, Any] | None = None) -> 
     lines += [task_words.sentence(name, found) for name, found in diagnosis.task.items()]
     if decision:
         lines.append(str(decision["sentence"]))
+    if shown_from and diagnosis.verdict == "no_gap":
+        lines += [f"  {sentence(effect, limit)}" for effect, limit in list(shown_from.items())[:LIMITS_SHOWN]]
+        if (more_limits := len(shown_from) - LIMITS_SHOWN) > 0:
+            lines.append(f"  The report says it of {more_limits} more.")
     if diagnosis.next_capture:
         lines.append(f"Capture next: {diagnosis.next_capture.kind}; {diagnosis.next_capture.why}.")
     return "\n".join(lines)

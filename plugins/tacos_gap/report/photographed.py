@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -15,6 +14,7 @@ from tacos_gap.answer.findings import Diagnosis
 from tacos_gap.captures import RealCapture
 from tacos_gap.captures.coverage import untold
 from tacos_gap.report import words
+from tacos_gap.report.limits_in_words import limits_in_words
 from tacos_report.page import Block, ContactSheet, Folded, PagePicture, Paragraph, Table, image_uri
 from tacos_report.quantities import number, unit_sign
 
@@ -90,7 +90,9 @@ def not_told(
             "Other effects may be there below their detection limits. An effect at its limit shows in half "
             "of such captures, and one a third larger in all of them."
         )
-        table = Table(("effect", "would have shown from"), limit_rows(limits, effects))
+        said = limits_in_words(limits, effects, captures[0].geometry)
+        rows = tuple((words.effect_words(effect), limit) for effect, limit in said.items())
+        table = Table(("effect", "would have shown from"), rows)
         yield Folded("Detection limits", table)
 
 
@@ -103,36 +105,6 @@ def effects_not_shown(captures: Sequence[RealCapture], effects: Mapping[str, typ
         ]
         yield Paragraph("Nothing can be said of these effects until the captures hold what shows them:")
         yield Table(("photograph", "to learn of"), tuple(rows))
-
-
-def limit_rows(
-    limits: Mapping[str, Mapping[str, float]], effects: Mapping[str, type[Any]]
-) -> tuple[tuple[str, str], ...]:
-    """Each effect with the least values that would have shown, to two digits of their way from neutral.
-
-    Examples
-    --------
-    >>> limit_rows({"prnu": {"sigma": 0.00412}}, {})
-    (('PRNU', 'sigma 0.0041'),)
-    """
-    rows = []
-    for effect, values in sorted(limits.items()):
-        neutral = getattr(effects.get(effect), "neutral", {})
-        said = (f"{name} {_told_from(neutral.get(name), value):g}" for name, value in values.items())
-        rows.append((words.effect_words(effect), ", ".join(said).replace("-", "\u2212")))
-    return tuple(rows)
-
-
-def _told_from(neutral: Any, value: float) -> float:
-    """A value to two digits of how far it is from neutral.
-
-    Examples
-    --------
-    >>> _told_from(1.0, 1.02651), _told_from(None, -0.053964)
-    (1.027, -0.054)
-    """
-    distance = abs(value - (neutral if isinstance(neutral, int | float) else 0.0))
-    return value if distance == 0 else round(value, 1 - math.floor(math.log10(distance)))
 
 
 def nuisance_rows(nuisances: Mapping[str, Mapping[str, Any]]) -> tuple[tuple[str, str], ...]:

@@ -278,7 +278,7 @@ def remainder(diagnosis: Diagnosis) -> str:
     """What is left after the causes."""
     left = diagnosis.unknown
     chance = left.p_value
-    text = f"What is left measures {number(left.gap, 2)} times the noise floor. "
+    text = f"What is left measures {number(diagnosis.gap_after, 3)} times the noise floor. "
     if left.score < 0.1:
         return f"{text}That is no more than a right model of a real camera leaves."
     fraction = "none of" if chance <= 0.06 else f"{share(chance)} of"

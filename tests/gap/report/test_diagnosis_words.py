@@ -13,7 +13,7 @@ from tacos_gap.inference.location import Place
 from tacos_gap.inference.unknown import Unexplained
 from tacos_gap.report import words
 from tacos_gap.report.gap_and_causes import parameter_table
-from tacos_gap.report.photographed import limit_rows, nuisance_rows, photographed
+from tacos_gap.report.photographed import nuisance_rows, photographed
 from tacos_report.page import ContactSheet
 from tests.gap.taken import capture
 
@@ -154,12 +154,6 @@ def test_a_cause_beside_a_rest_keeps_its_one_number_and_no_ramp_is_called_a_prob
     assert data["unknown"]["score"] == 1.0
     assert data["complete"]["score"] == 0.0
     assert "probability" not in str(data)
-
-
-def test_a_detection_limit_is_told_as_fine_as_it_lies_from_neutral() -> None:
-    scaled = {"exposure-error": type("Scaled", (), {"neutral": {"scale": 1.0}})}
-    rows = limit_rows({"exposure-error": {"scale": 1.02651}, "lens-distortion": {"k1": -0.053964}}, scaled)
-    assert rows == (("exposure error", "scale 1.027"), ("lens distortion", "k1 \u22120.054"))
 
 
 def test_captures_that_are_off_alike_share_a_row() -> None:
