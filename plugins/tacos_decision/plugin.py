@@ -7,9 +7,17 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-from tacos_framework import hookimpl
+from tacos_framework import Command, hookimpl
 
 log = logging.getLogger(__name__)
+
+
+@hookimpl
+def tacos_commands() -> list[Command]:
+    """``tacos predict``."""
+    from tacos_decision.predictions.commands import commands
+
+    return commands()
 
 
 @hookimpl

@@ -169,12 +169,11 @@ def _agreeing_rays(first: NDArray[np.float64], second: NDArray[np.float64], cons
 
 
 def match(first: Features, second: Features) -> Sequence[Any]:
-    """Mutual nearest neighbours of two frames."""
+    """Mutual nearest neighbours of two frames, by differing bits or, of descriptors of numbers, by distance."""
     if not (len(first) and len(second)):
         return ()
-    matches: Sequence[Any] = cv2.BFMatcher(cv2.NORM_HAMMING, crossCheck=True).match(
-        first.descriptors, second.descriptors
-    )
+    norm = cv2.NORM_HAMMING if first.descriptors.dtype == np.uint8 else cv2.NORM_L2
+    matches: Sequence[Any] = cv2.BFMatcher(norm, crossCheck=True).match(first.descriptors, second.descriptors)
     return matches
 
 

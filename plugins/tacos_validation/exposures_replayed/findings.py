@@ -25,18 +25,23 @@ REASONS: Mapping[Lack, str] = {
 
 @dataclass(frozen=True)
 class ReplayedExposure:
-    """One exposure: inliers in reality and as replayed, and why it is refused, or None."""
+    """Inliers of one exposure, in reality and as replayed; `refused` says why there is no replay.
+
+    ``real`` is None where it was not measured.
+    """
 
     ms: float
-    real: float
+    real: float | None
     predicted: float | None
     interval: tuple[float, float] | None
     refused: str | None
 
     @property
     def near(self) -> bool | None:
-        """True within the tolerance; None where it is refused."""
-        return None if self.predicted is None else abs(self.predicted - self.real) <= tolerance(self.real)
+        """True within the tolerance; None where it is refused or not measured."""
+        if self.predicted is None or self.real is None:
+            return None
+        return abs(self.predicted - self.real) <= tolerance(self.real)
 
     def as_data(self) -> dict[str, Any]:
         """For ``result.json``."""
@@ -63,8 +68,8 @@ class SourceFindings:
 
     @property
     def tau(self) -> float | None:
-        """Kendall's tau-b over those that are not refused; None for fewer than two."""
-        pairs = [(each.real, each.predicted) for each in self.answered if each.predicted is not None]
+        """Kendall's tau-b over those that are measured and not refused; None for fewer than two."""
+        pairs = [(each.real, each.predicted) for each in self.answered if each.real is not None]
         return tau_b(*map(list, zip(*pairs, strict=True))) if len(pairs) > 1 else None
 
 
@@ -74,7 +79,7 @@ def tolerance(inliers: float) -> float:
 
 
 def replayed(
-    ms: float, real: float, pairs: NDArray[np.float64], worse: Mapping[Lack, float]
+    ms: float, real: float | None, pairs: NDArray[np.float64], worse: Mapping[Lack, float]
 ) -> ReplayedExposure:
     """An exposure from the inliers of its replayed pairs.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from matplotlib.figure import Figure
 
@@ -29,13 +29,12 @@ def summary(sources: Mapping[str, SourceFindings]) -> str:
     """A line for each source."""
     lines = []
     for name, found in sources.items():
-        near = sum(bool(each.near) for each in found.answered)
-        tau = "no order" if found.tau is None else f"tau {found.tau:.2f}"
         refused = len(found.exposures) - len(found.answered)
-        lines.append(
-            f"from {name} ms: {tau}, {near} of {len(found.answered)} within 15 % or ten inliers, "
-            f"{refused} refused"
-        )
+        measured = [each for each in found.answered if each.near is not None]
+        near = sum(bool(each.near) for each in measured)
+        tau = "no order" if found.tau is None else f"tau {found.tau:.2f}"
+        held = f"{tau}, {near} of {len(measured)} within 15 % or ten inliers" if measured else "not measured"
+        lines.append(f"from {name} ms: {held}, {refused} refused")
     return "\n".join(lines)
 
 
@@ -43,15 +42,13 @@ def _blocks(name: str, found: SourceFindings) -> tuple[Block, ...]:
     table = Table(
         ("exposure [ms]", "real", "replayed", "interval", "refused"),
         tuple(_row(each) for each in found.exposures),
-        "Mean ORB inliers of consecutive frames.",
+        "Mean inliers of consecutive frames.",
     )
     if len(found.answered) < 2:
         return (Paragraph("Fewer than two exposures can be answered, so there is no order."), table)
-    order = [
-        ", ".join(f"{each.ms:g}" for each in sorted(found.answered, key=key, reverse=True))
-        for key in (lambda e: e.real, lambda e: e.predicted or 0.0)
-    ]
-    text = f"Real order: {order[0]} ms. Replayed order: {order[1]} ms. Kendall's tau {found.tau or 0.0:.2f}."
+    text = f"Replayed order: {_order(found, lambda each: each.predicted)} ms."
+    if found.tau is not None:
+        text += f" Real order: {_order(found, lambda each: each.real)} ms. Kendall's tau {found.tau:.2f}."
 
     def drawing(*, narrow: bool = False) -> str:
         return _levels(name, found, narrow=narrow)
@@ -59,16 +56,23 @@ def _blocks(name: str, found: SourceFindings) -> tuple[Block, ...]:
     return Paragraph(text), in_both_widths(drawing, "Inliers over the exposure."), table
 
 
+def _order(found: SourceFindings, of: Callable[[ReplayedExposure], float | None]) -> str:
+    ordered = sorted(found.answered, key=lambda each: of(each) or 0.0, reverse=True)
+    return ", ".join(f"{each.ms:g}" for each in ordered)
+
+
 def _row(each: ReplayedExposure) -> tuple[str, ...]:
     predicted = "" if each.predicted is None else f"{each.predicted:.0f}"
     interval = "" if each.interval is None else f"{each.interval[0]:.0f} to {each.interval[1]:.0f}"
-    return f"{each.ms:g}", f"{each.real:.0f}", predicted, interval, each.refused or ""
+    real = "" if each.real is None else f"{each.real:.0f}"
+    return f"{each.ms:g}", real, predicted, interval, each.refused or ""
 
 
 def _levels(name: str, found: SourceFindings, *, narrow: bool) -> str:
     def paint(figure: Figure) -> None:
         axes = figure.add_subplot()
-        axes.plot([e.ms for e in found.exposures], [e.real for e in found.exposures], "o-", label="real")
+        if real := [(e.ms, e.real) for e in found.exposures if e.real is not None]:
+            axes.plot(*zip(*real, strict=True), "o-", label="real")
         for each in found.answered:
             axes.vlines(each.ms, *(each.interval or (0.0, 0.0)), color="C1")
         axes.plot(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -10,11 +11,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import Progress, Settings, generator, setting
+from tacos_framework import Fault, Progress, Settings, UserError, generator, setting
 from tacos_report.page import write_page
 from tacos_validation.exposures_replayed.emulation import Lack, Replay
 from tacos_validation.exposures_replayed.findings import SourceFindings, replayed
-from tacos_validation.exposures_replayed.inliers import inliers_of_pairs
+from tacos_validation.exposures_replayed.inliers import Detector, inliers_of_pairs
 from tacos_validation.exposures_replayed.pages import page, summary
 from tacos_worlds.recorded.motion import Motion, Shot, shot_of, steps_between
 from tacos_worlds.recorded.noise import measured_noise
@@ -33,7 +34,7 @@ class ReplayExposures:
     """Replays each exposure of a recording from every other, and ranks them beside the real ones.
 
     The recording is a folder of raw frames ``NNms_K.png`` with ``times.csv`` (file, taken_ns) and, where it
-    is known, ``response.txt``. The score is the mean of ORB inliers of consecutive frames.
+    is known, ``response.txt``. The score is the mean of the inliers of consecutive frames.
 
     Motion, noise and response are measured in the recording. The motion that blurs a longer exposure is never
     measured in the frames of that exposure.
@@ -47,13 +48,22 @@ class ReplayExposures:
             "auto",
             help="Colour filters by OpenCV's names; auto finds where green is and takes RG or GR.",
         )
+        detector: Detector = setting("orb", help="Whose features are followed from frame to frame.")
+        features: int = setting(2000, help="Features of a frame, the strongest.", ge=8)
+        sources_ms: tuple[float, ...] = setting(
+            (), help="Exposures to replay from; all of them if none is named.", unit="ms"
+        )
+        measure: bool = setting(
+            True,
+            help="Also score the real frames; without, nothing is looked at that `tacos predict` predicts.",
+        )
 
     def __init__(self, config: Config) -> None:
         self.config = config
 
     def check(self) -> None:
         """Read the recording and say what is wrong with it."""
-        read_recording(self.config.recording)
+        self._sources(read_recording(self.config.recording))
 
     def run(self, *, out: Path, seed: int, progress: Progress) -> Mapping[str, Any]:
         """Replay; leaves ``report.html``."""
@@ -65,13 +75,19 @@ class ReplayExposures:
         light = {name: recording.light(name) for name in recording.exposures}
         progress.phase("Measuring motion", len(light))
         motions, after_middle = motions_without(recording, light, progress)
-        real = {
-            name: inliers_of_pairs(frames.codes_dn, bits=recording.bits, conversion=conversion)
-            for name, frames in recording.exposures.items()
-        }
-        progress.phase("Replaying", len(light) * (len(light) - 1))
+        count = partial(
+            inliers_of_pairs,
+            bits=recording.bits,
+            conversion=conversion,
+            detector=self.config.detector,
+            features=self.config.features,
+        )
+        measured = recording.exposures.items() if self.config.measure else ()
+        real = {name: count(frames.codes_dn) for name, frames in measured}
+        wanted = self._sources(recording)
+        progress.phase("Replaying", len(wanted) * (len(light) - 1))
         sources = {}
-        for source in light:
+        for source in wanted:
             period = 1 if conversion is None else 2
             noise = measured_noise(light[source], mosaic=period)
             exposures = []
@@ -82,17 +98,18 @@ class ReplayExposures:
 
                 def score(doubled: Lack | None, replay: Replay = replay) -> NDArray[np.float64]:
                     rng = generator(seed, "replay", replay.source, replay.target)
-                    frames = replay.frames(rng, doubled)
-                    return inliers_of_pairs(frames, bits=recording.bits, conversion=conversion)
+                    return count(replay.frames(rng, doubled))
 
                 worse = {lack: float(score(lack).mean()) for lack in replay.lacks()}
                 ms = recording.exposures[target].exposure_ms
-                exposures.append(replayed(ms, float(real[target].mean()), score(None), worse))
+                truth = float(real[target].mean()) if target in real else None
+                exposures.append(replayed(ms, truth, score(None), worse))
                 progress.step(f"{target} ms from {source} ms")
             sources[source] = SourceFindings(tuple(exposures))
         notes = (recording.response_from, _words_of_stamps(after_middle))
         write_page(out / "report.html", page(sources, notes))
         return {
+            "score": f"{self.config.detector}{self.config.features}.inliers",
             "sources": {
                 name: {"tau": found.tau, "exposures": [each.as_data() for each in found.exposures]}
                 for name, found in sources.items()
@@ -102,6 +119,27 @@ class ReplayExposures:
             "notes": list(notes),
             "summary": summary(sources),
         }
+
+    def _sources(self, recording: Recording) -> list[str]:
+        """Names of the exposures to replay from.
+
+        Raises
+        ------
+        UserError
+            When one is not in the recording.
+        """
+        name_of = {frames.exposure_ms: name for name, frames in recording.exposures.items()}
+        wanted = self.config.sources_ms or tuple(name_of)
+        faults = [
+            Fault(
+                "sources_ms", f"there is no exposure of {ms:g} ms", ", ".join(f"{own:g}" for own in name_of)
+            )
+            for ms in wanted
+            if ms not in name_of
+        ]
+        if faults:
+            raise UserError(faults)
+        return [name_of[ms] for ms in wanted]
 
 
 def motions_without(
