@@ -169,7 +169,7 @@ def _agreeing_rays(first: NDArray[np.float64], second: NDArray[np.float64], cons
 
 
 def match(first: Features, second: Features) -> Sequence[Any]:
-    """Mutual nearest neighbours of two frames, by differing bits or, of descriptors of numbers, by distance."""
+    """Mutual nearest neighbours of two frames: by differing bits, or by distance of float descriptors."""
     if not (len(first) and len(second)):
         return ()
     norm = cv2.NORM_HAMMING if first.descriptors.dtype == np.uint8 else cv2.NORM_L2
