@@ -54,7 +54,7 @@ class Prediction:
     made
         Time of the prediction, ISO 8601 with its offset.
     origin
-        Recipe, seed, command and version it follows from.
+        Recipe, seed and version it follows from.
     model_error
         For each kind of score its model error and the number of measured values behind it; empty for
         kinds that were never measured.

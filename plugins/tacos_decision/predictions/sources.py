@@ -45,7 +45,7 @@ def prediction_from(
         about or f"Scores of {result['name']}",
         when.isoformat(timespec="seconds"),
         tuple(values),
-        {key: result[key] for key in ("name", "seed", "command", "tacos") if key in result},
+        {key: result[key] for key in ("name", "seed", "tacos") if key in result},
         {kind: vars(errors[kind]) for kind in kinds if kind in errors},
     )
 
