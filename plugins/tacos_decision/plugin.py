@@ -34,4 +34,12 @@ def tacos_analyse_study(record: Any) -> Mapping[str, Any]:
     if error is not None:
         log.warning("no camera is ranked", exc_info=error)
         found = {"ranking_absent": f"No camera can be ranked, as the analysis raised {in_words(error)}."}
-    return {**verdict(record), **(found or {})}
+    return {**verdict(record), **(found or {}), "reality": _checked_on_reality(record)}
+
+
+def _checked_on_reality(record: Any) -> str:
+    """What predictions of the scores of a study were worth so far, in a sentence."""
+    from tacos_decision.predictions.register import misses_in, model_errors, sentence, shipped_register
+
+    kinds = dict.fromkeys(term.score.rpartition(".")[2] for term in record.recipe.fitness)
+    return sentence(kinds, model_errors(misses_in([shipped_register()])))

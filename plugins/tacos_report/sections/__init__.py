@@ -56,4 +56,6 @@ def cautions(study: StudyData) -> list[str]:
     found = [note for note in study.notes if note not in of_parts]
     if (stopped := study.result.get("stopped")) and not study.tested:
         found.append(f"The search ended: {stopped}")
+    if reality := study.result.get("reality"):
+        found.append(str(reality))
     return found
