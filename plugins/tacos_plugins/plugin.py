@@ -71,6 +71,10 @@ EFFECTS = {
         "vignetting:Vignetting",
         "Light that falls off towards the corners: an even polynomial of the radius.",
     ),
+    "motion": (
+        "motion:Motion",
+        "Blur and rolling shutter of what is rendered, by the agent's motion and that of things.",
+    ),
     "rolling-shutter": (
         "rolling_shutter:RollingShutter",
         "Rows exposed one after another: what moves is sheared.",

@@ -15,6 +15,7 @@ from .geometry import invert_pose as invert_pose
 from .geometry import pixel_rays as pixel_rays
 from .geometry import project as project
 from .geometry import world_from_camera as world_from_camera
+from .motion import FrameMotion as FrameMotion
 from .motion import Places as Places
 from .motion import image_velocity as image_velocity
 from .motion import inverse_depth as inverse_depth

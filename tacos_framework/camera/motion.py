@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.camera.geometry import depth_of, invert_pose, world_from_camera
 from tacos_framework.camera.projection import pixels_of_rays, rays_of_pixels
-from tacos_framework.values import Episode, ImageGeometry, View
+from tacos_framework.values import Episode, ImageGeometry, Trajectory, View
 
 Places = tuple[NDArray[np.float64], NDArray[np.float64]]
 """Columns and rows of the image [px]."""
@@ -37,7 +40,7 @@ def reprojected(
     inverse_depth
         One over the depth of what is seen there [1/m].
     other_from_camera
-        (4, 4) rigid transform from this camera's frame to the other's [m].
+        (4, 4) rigid transform from this camera's frame to the other's, or (..., 4, 4) one for each place [m].
 
     Returns
     -------
@@ -62,8 +65,8 @@ def reprojected(
     cx, cy = geometry.centre_px
     f = geometry.focal_length_px
     x, y, near = np.broadcast_arrays((x_px - cx) / f, (y_px - cy) / f, inverse_depth)
-    points = np.stack([x, y, np.ones_like(x), near])  # over their depth
-    seen = np.tensordot(other_from_camera[:3], points, axes=1)
+    points = (x, y, np.ones_like(x), near)  # over their depth
+    seen = [sum(other_from_camera[..., i, j] * points[j] for j in range(4)) for i in range(3)]
     depth_ratio = np.maximum(seen[2], 1e-6)  # what comes to lie behind the camera leaves the image
     return seen[0] / depth_ratio * f + cx, seen[1] / depth_ratio * f + cy, depth_ratio
 
@@ -80,11 +83,99 @@ def _reprojected_by_rays(
     places = np.stack([x, y], axis=-1).astype(np.float64)
     rays = rays_of_pixels(places, geometry)
     points = rays / depth_of(rays, geometry)[..., None]  # over their depth
-    seen = points @ other_from_camera[:3, :3].T + near[..., None] * other_from_camera[:3, 3]
+    turned = np.einsum("...ij,...j->...i", other_from_camera[..., :3, :3], points)
+    seen = turned + near[..., None] * other_from_camera[..., :3, 3]
     there = pixels_of_rays(seen, geometry)
     there = np.where(np.isnan(there), places, there)
     scale = np.maximum(np.nan_to_num(depth_of(seen, geometry), nan=1.0), 1e-6)
     return there[..., 0], there[..., 1], scale
+
+
+@dataclass(frozen=True, eq=False)
+class FrameMotion:
+    """How what one frame shows moves over the image about its moment: by the agent's way, and by its own.
+
+    Parameters
+    ----------
+    geometry
+        Where the pixels lie.
+    time_s
+        The frame's moment: the middle of its exposure, of its middle row where the shutter is rolling [s].
+    agent
+        The agent's way.
+    agent_from_camera
+        (4, 4) the camera on the agent [m].
+    movers
+        The ways of what moves by itself, by object id.
+    """
+
+    geometry: ImageGeometry
+    time_s: float
+    agent: Trajectory
+    agent_from_camera: NDArray[np.float64]
+    movers: Mapping[int, Trajectory]
+
+    @classmethod
+    def of(cls, view: View, episode: Episode) -> FrameMotion:
+        """Of a view of the one frame of an episode."""
+        return cls(
+            ImageGeometry.of_camera(view.camera),
+            float(episode.time_s[0]),
+            episode.trajectory,
+            view.camera.agent_from_camera,
+            {mover.object_id: mover.trajectory for mover in episode.movers},
+        )
+
+    def shown(
+        self,
+        x_px: NDArray[np.floating],
+        y_px: NDArray[np.floating],
+        inverse_depth: NDArray[np.floating],
+        after_s: NDArray[np.floating],
+        object_id: int = 0,
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Where the frame shows what lies at a pixel some time later, and how far it is by then.
+
+        Parameters
+        ----------
+        x_px, y_px
+            Places in the image at that time [px].
+        inverse_depth
+            One over its depth in the frame [1/m].
+        after_s
+            How much later, below 0 before; all four broadcast [s].
+        object_id
+            What it belongs to.
+
+        Returns
+        -------
+        x_px, y_px
+            Places in the frame's image [px].
+        inverse_depth
+            One over its depth at that time [1/m].
+        """
+        after_s = np.asarray(after_s, np.float64)
+        frame_from_then = (
+            invert_pose(self._pose(np.zeros(1)))
+            @ self._then_to_now(object_id, after_s.ravel())
+            @ self._pose(after_s.ravel())
+        ).reshape(*after_s.shape, 4, 4)
+        # How much farther it is now than then is known but for the square of the step over the depth.
+        scale = reprojected(x_px, y_px, inverse_depth, self.geometry, frame_from_then)[2]
+        then = inverse_depth * scale
+        x, y, _ = reprojected(x_px, y_px, then, self.geometry, frame_from_then)
+        return x, y, then
+
+    def _pose(self, after_s: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(N, 4, 4) the camera in the world [m]."""
+        return world_from_camera(self.agent.at(self.time_s + after_s), self.agent_from_camera)
+
+    def _then_to_now(self, object_id: int, after_s: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(N, 4, 4) from where an object's points are then to where they are in the frame [m]."""
+        if (way := self.movers.get(object_id)) is None:
+            return np.eye(4)[None]
+        now = way.at(np.array([self.time_s]))
+        return np.asarray(now @ invert_pose(way.at(self.time_s + after_s)))
 
 
 def image_velocity(view: View, episode: Episode) -> NDArray[np.float32]:

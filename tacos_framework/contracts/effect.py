@@ -106,6 +106,16 @@ class EffectBase:
     """True for an effect on colours alone, which images of one channel pass by."""
     codes: bool = False
     """Whether files leave it coded for a display, where they were linear."""
+    on_view: Callable[..., Any] | None = None
+    """``on_view(light, depth_m, object_id, *, geometry, context) -> (light, depth_m, object_id)`` beside
+    `on_array`, for an effect on light that also moves what pixels show: all three of one rendered frame with
+    the effect, (1, H, W, 3) and (1, H, W); the very arrays where it is off."""
+    lacks: Callable[..., Any] | None = None
+    """``lacks(rig) -> str | None``: what the effect would have to know of a rig's cameras and does not, in a
+    sentence. A recipe none of whose cameras it can serve is refused with it; a candidate it cannot serve
+    fails."""
+    origins: Callable[..., Any] | None = None
+    """``origins(camera) -> {figure: origin}``, as those of a sensor (`SensorBase.origins`)."""
     moments: Callable[..., Any] | None = None
     """``moments(mean_dn, variance_dn2, *, geometry, context)``: mean and variance of the noise after the
     effect, from those before it, where a closed form exists. Arrays of the shape (N, H, W, C), or flat

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework.camera.motion import Places, image_velocity, inverse_depth
+from tacos_framework.camera.motion import FrameMotion, Places, image_velocity, inverse_depth
 from tacos_framework.camera.resampling import nearest, resample, resample_inverse_depth
 from tacos_framework.contracts import EffectBase, moves_pixels, optional
 from tacos_framework.formation.chain import ActingEffect
+from tacos_framework.formation.checked import checked_samples
 from tacos_framework.formation.draws import EpisodeDraws
 from tacos_framework.plugins.guarded import calling
 from tacos_framework.values import Episode, Exposure, ImageContext, ImageGeometry, View
@@ -26,6 +27,10 @@ def light_context(view: View, episode: Episode, exposure: Exposure) -> ImageCont
         gain_db=exposure.gain_db,
         f_number=exposure.f_number,
         depth_m=view.depth_m,
+        object_id=view.object_id,
+        motion=FrameMotion.of(view, episode) if len(episode) == 1 else None,
+        shutter=view.camera.shutter,
+        row_time_us=view.camera.row_time_us,
         velocity_px_s=partial(image_velocity, view, episode),
         reference_row=(view.camera.height_px - 1) / 2,
     )
@@ -74,6 +79,9 @@ def _frame(
         if moves_pixels(type(acting.effect)):
             frame = _moved(frame, acting, geometry, context)
             continue
+        if callable(optional(acting.effect, EffectBase, "on_view")):
+            frame = _seen_anew(frame, acting, geometry, context)
+            continue
         light = acting.on(
             frame.luminance_cd_m2,
             geometry=geometry,
@@ -84,6 +92,17 @@ def _frame(
         if light is not frame.luminance_cd_m2:
             frame = replace(frame, luminance_cd_m2=light)
     return frame
+
+
+def _seen_anew(view: View, acting: ActingEffect, geometry: ImageGeometry, context: ImageContext) -> View:
+    """A view with light, depth and ids of an effect that changes all three."""
+    given = view.luminance_cd_m2, view.depth_m, view.object_id
+    with calling(acting.use, doing="on_view"):
+        light, depth_m, object_id = acting.effect.on_view(*given, geometry=geometry, context=context)
+        if light is given[0]:
+            return view
+        light = checked_samples(acting.use, light, given[0])
+    return replace(view, luminance_cd_m2=light, depth_m=depth_m, object_id=object_id)
 
 
 def joined(frames: Sequence[View], view: View) -> View:

@@ -14,6 +14,8 @@ from tacos_framework.values.camera_table import cameras_as_html
 from tacos_framework.values.lens import PINHOLE, Lens
 
 Colour = Literal["colour", "mono"]
+SHUTTERS = ("global", "rolling", None)
+"""How rows are exposed: all at once, one after the other, or nobody knows."""
 
 
 @dataclass(frozen=True)
@@ -73,6 +75,10 @@ class Camera:
     sensor_binning
         The part of it that the camera does itself: its own images have a pixel for so many photosites along
         each side [1].
+    shutter
+        ``global``: all rows are exposed at once; ``rolling``: one after the other; None is unknown.
+    row_time_us
+        From one row of photosites read out to the next, where the shutter is rolling; None is unknown [us].
     principal_point_px
         (x, y) [px]; the image centre when None.
     electrons
@@ -95,6 +101,8 @@ class Camera:
     sensor_binning: int = 1
     lens: Lens = PINHOLE
     colour: Colour | None = None
+    shutter: str | None = None
+    row_time_us: float | None = None
 
     def __post_init__(self) -> None:
         if self.width_px < 1 or self.height_px < 1:
@@ -103,6 +111,12 @@ class Camera:
             value = getattr(self, name)
             if not (math.isfinite(value) and value > 0):
                 raise ValueError(f"camera {self.name!r}: {name} must be above 0, not {value}")
+        if self.shutter not in SHUTTERS:
+            raise ValueError(
+                f"camera {self.name!r}: shutter is global, rolling or None, not {self.shutter!r}"
+            )
+        if self.row_time_us is not None and not (math.isfinite(self.row_time_us) and self.row_time_us >= 0):
+            raise ValueError(f"camera {self.name!r}: row_time_us must be 0 or more, not {self.row_time_us}")
         read_only(self, "agent_from_camera", np.float64, (4, 4))
 
     @property

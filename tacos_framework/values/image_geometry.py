@@ -171,6 +171,15 @@ class ImageContext:
     velocity_px_s
         (2,), (H, W, 2) or (N, H, W, 2) motion of what each pixel shows, x to the right, y downwards, or what
         works it out when it is asked for [px/s].
+    motion
+        How each thing moves over the image about the frame's moment, where that is rendered
+        (`tacos_framework.camera.FrameMotion`).
+    object_id
+        (H, W) or (N, H, W) what each pixel shows, index into `World.objects`.
+    shutter
+        ``global`` or ``rolling``.
+    row_time_us
+        From the read-out of one row of photosites to that of the next, where the shutter is rolling [us].
     frame_interval_s
         Time from frame to frame; None for frames that do not follow each other [s].
     reference_row
@@ -190,6 +199,10 @@ class ImageContext:
     white_level_dn: float = 255.0
     depth_m: NDArray[np.floating] | None = None
     velocity_px_s: Velocity | Callable[[], Velocity] | None = None
+    motion: Any = None
+    object_id: NDArray[np.integer] | None = None
+    shutter: str | None = None
+    row_time_us: float | None = None
     frame_interval_s: float | None = None
     reference_row: float = 0.0
     cfa: str | None = None

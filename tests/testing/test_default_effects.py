@@ -30,6 +30,7 @@ from tacos_plugins.effects.lateral_chromatic_aberration import LateralChromaticA
 from tacos_plugins.effects.lens_blur import LensBlur
 from tacos_plugins.effects.lens_distortion import LensDistortion
 from tacos_plugins.effects.lens_shading_correction import LensShadingCorrection
+from tacos_plugins.effects.motion import Motion
 from tacos_plugins.effects.motion_blur import MotionBlur
 from tacos_plugins.effects.nonlinearity import Nonlinearity
 from tacos_plugins.effects.pose_error import PoseError
@@ -109,6 +110,11 @@ class TestLensBlurByDiffraction(EffectConformance):
 class TestMotionBlur(EffectConformance):
     component = MotionBlur
     config = {"length_px": 5.0, "angle_deg": 30.0}
+
+
+class TestMotion(EffectConformance):
+    component = Motion
+    config = {"amount": 2.0, "shutter": "rolling", "row_time_us": 300.0}
 
 
 class TestRollingShutter(EffectConformance):

@@ -46,6 +46,12 @@ class SensorPart(PricedPart):
     colour: Literal["colour", "mono"] | None = setting(
         None, help="Whether colour filters lie over its photosites, if known."
     )
+    shutter: str | None = setting(
+        None, help="How rows are exposed, global (all at once) or rolling (one after the other), if known."
+    )
+    row_time_us: float | None = setting(
+        None, help="Time from row to row of a rolling shutter, if known.", unit="us", ge=0
+    )
     power_w: float | None = setting(
         None, help="Power of a camera that is sold with it, if known.", unit="W", gt=0
     )
@@ -95,6 +101,14 @@ class SensorPart(PricedPart):
     def diagonal_mm(self) -> float:
         """Diagonal of the active area [mm]."""
         return math.hypot(self.width_mm, self.height_mm)
+
+    @property
+    def exposes(self) -> str | None:
+        """``global``, ``rolling``, or None where the part's shutter is unknown."""
+        first = (
+            (self.shutter or "").strip().lower().split(" ")[0]
+        )  # "rolling (global reset)" needs a dark room
+        return first if first in ("global", "rolling") else None
 
     def region(self, width_share: float, height_share: float) -> SensorPart:
         """The region of interest about its middle, in whole pairs of photosites, as colour patterns need it.
@@ -352,4 +366,6 @@ def mounted_camera(
         sensor_binning=variables.sensor_binning,
         electrons=variables.sensor.electrons,
         colour=variables.sensor.colour,
+        shutter=variables.sensor.exposes,
+        row_time_us=variables.sensor.row_time_us if variables.sensor.exposes == "rolling" else None,
     )

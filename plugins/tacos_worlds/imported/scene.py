@@ -85,6 +85,7 @@ class ImportedScene:
         """
         from tacos_worlds.imported.place import at_illuminance
         from tacos_worlds.imported.recorded import recorded_episode
+        from tacos_worlds.kit.carried import carried
         from tacos_worlds.kit.walk.trip import joined
 
         if not illumination_lux > 0:
@@ -93,8 +94,11 @@ class ImportedScene:
         wanted = illumination_lux if self.config.level == "scenario" else None
         world = at_illuminance(place.world, place.lux, wanted)
         if place.recorded is not None:
-            return recorded_episode(rng, world, place, self.config.frames, self.config.frame_rate_hz)
-        return joined(world, self._stretches(rng, place))
+            trip = recorded_episode(rng, world, place, self.config.frames, self.config.frame_rate_hz)
+        else:
+            trip = joined(world, self._stretches(rng, place))
+        (shaking_rng,) = rng.spawn(1)
+        return carried(shaking_rng, trip, self.config)
 
     def _stretches(self, rng: np.random.Generator, place: Place) -> Iterator[Stretch]:
         """Where frames are taken."""

@@ -7,14 +7,15 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from tacos_framework import Settings, setting
+from tacos_framework import setting
+from tacos_worlds.kit.carried import CarriedSettings
 
 Metres = Annotated[float, Field(gt=0)]
 Seconds = Annotated[float, Field(gt=0)]
 Waypoint = Annotated[tuple[float, ...], Field(min_length=2, max_length=3)]
 
 
-class ImportedSettings(Settings):
+class ImportedSettings(CarriedSettings):
     """Settings of `scene.imported`."""
 
     file: str = setting(help="The world: a .glb, .gltf, .obj or .ply file.", is_path=True)

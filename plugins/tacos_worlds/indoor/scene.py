@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from tacos_framework import Episode, Settings, setting
+from tacos_framework import Episode, setting
+from tacos_worlds.kit.carried import CarriedSettings, carried
 from tacos_worlds.kit.piece import Piece
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ class IndoorScene:
 
     carrier: ClassVar[str] = "person"
 
-    class Config(Settings):
+    class Config(CarriedSettings):
         """Settings of the scene."""
 
         size_m: tuple[Metres, Metres] = setting(
@@ -158,7 +159,7 @@ class IndoorScene:
         if not illumination_lux > 0:
             raise ValueError(f"illumination_lux must be above 0, not {illumination_lux}")
         config = self.config
-        building_rng, texture_rng, walk_rng = rng.spawn(3)
+        building_rng, texture_rng, walk_rng, shaking_rng = rng.spawn(4)
         building = draw_building(
             building_rng,
             size_m=config.size_m,
@@ -171,7 +172,8 @@ class IndoorScene:
         )
         world = assemble(building, TextureLibrary(texture_rng), self._images, illumination_lux)
         world = replace(world, remarks=self.remarks)
-        return joined(world, self._stretches(walk_rng, building))
+        trip = joined(world, self._stretches(walk_rng, building))
+        return carried(shaking_rng, trip, config)
 
     def _stretches(self, rng: np.random.Generator, building: Building) -> Iterator[Stretch]:
         """Where frames are taken."""

@@ -7,7 +7,8 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import model_validator
 
-from tacos_framework import Episode, Mover, Settings, setting
+from tacos_framework import Episode, Mover, setting
+from tacos_worlds.kit.carried import CarriedSettings, carried
 
 
 class StreetScene:
@@ -32,7 +33,7 @@ class StreetScene:
 
     carrier: ClassVar[str] = "car"
 
-    class Config(Settings):
+    class Config(CarriedSettings):
         """Settings of the scene."""
 
         blocks: int = setting(
@@ -111,7 +112,9 @@ class StreetScene:
         if not illumination_lux > 0:
             raise ValueError(f"illumination_lux must be above 0, not {illumination_lux}")
         config = self.config
-        town_rng, thing_rng, texture_rng, sky_rng, drive_rng, traffic_rng, people_rng = rng.spawn(7)
+        town_rng, thing_rng, texture_rng, sky_rng, drive_rng, traffic_rng, people_rng, shaking_rng = (
+            rng.spawn(8)
+        )
         town = draw_town(town_rng, blocks=config.blocks, reach_m=config.reach_m)
         dark = config.light != "day"
         if dark:
@@ -150,10 +153,11 @@ class StreetScene:
             way_m if dark else None,
         )
         first = len(placed) + 1  # ids follow the background and what stands still
-        return Episode(
+        trip = Episode(
             world=world,
             trajectory=trajectory,
             time_s=np.arange(config.frames) / config.frame_rate_hz,
             walk=np.zeros(config.frames, np.int32),
             movers=tuple(Mover(first + k, way) for k, (_, way) in enumerate(moving)),
         )
+        return carried(shaking_rng, trip, config)
