@@ -154,12 +154,12 @@ class FrameMotion:
         inverse_depth
             One over its depth at that time [1/m].
         """
-        after_s = np.asarray(after_s, np.float64)
+        moments_s: NDArray[np.float64] = np.asarray(after_s, np.float64).reshape(-1)
         frame_from_then = (
             invert_pose(self._pose(np.zeros(1)))
-            @ self._then_to_now(object_id, after_s.ravel())
-            @ self._pose(after_s.ravel())
-        ).reshape(*after_s.shape, 4, 4)
+            @ self._then_to_now(object_id, moments_s)
+            @ self._pose(moments_s)
+        ).reshape(*np.shape(after_s), 4, 4)
         # How much farther it is now than then is known but for the square of the step over the depth.
         scale = reprojected(x_px, y_px, inverse_depth, self.geometry, frame_from_then)[2]
         then = inverse_depth * scale

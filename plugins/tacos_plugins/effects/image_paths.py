@@ -28,6 +28,9 @@ _MOST_PARTS = 16
 _ALIKE_PX = 0.04
 """Neighbours whose places differ by less from those by one path take it together [px]."""
 
+_BOOLE = np.array([7, 32, 12, 32, 7]) / 90
+"""Weights of five even places on a path for its mean."""
+
 RowAfter = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 """Takes rows to the middles of their exposures after the frame's moment [px, s]."""
 
@@ -107,7 +110,7 @@ class ImageMotion:
             velocity = np.asarray(context.known_velocity_px_s("effect.motion"), np.float64)
             if velocity.ndim == 1:
                 return cls([_steadily(velocity)], still, np.zeros(size, np.float32), max(size))
-            velocity = np.broadcast_to(velocity, (frame + 1, *size, 2))[-1]
+            velocity = velocity if velocity.ndim == 3 else velocity[frame]
             return cls([_steadily(velocity)], still, np.zeros(size, np.float32), 1)
         depth_m = context.known_depth_m("effect.motion")
         depth_m = depth_m if depth_m.ndim == 2 else depth_m[frame]
@@ -135,14 +138,15 @@ class ImageMotion:
         """
         parts = 1
         while True:
-            knots = self._at_nodes(row_after_s, exposure_s * np.linspace(-0.5, 0.5, 2 * parts + 1))[..., :2]
-            begin, middle, end = knots[:-2:2], knots[1::2], knots[2::2]
-            bent_px = np.abs(middle - (begin + end) / 2).max()
-            if bent_px <= _BENT_PX or parts == _MOST_PARTS:
+            moments_s = exposure_s * np.linspace(-0.5, 0.5, 4 * parts + 1)
+            knots = self._at_nodes(row_after_s, moments_s)[..., :2]
+            runs = np.stack([knots[k : 4 * parts - 3 + k : 4] for k in range(5)], axis=-1)
+            begin, end = runs[..., 0], runs[..., -1]
+            straight = begin[..., None] + (end - begin)[..., None] * np.linspace(0, 1, 5)
+            if np.abs(runs - straight).max() <= _BENT_PX or parts == _MOST_PARTS:
                 break
             parts *= 2
-        # The mean place on a parabola through the three is that of Simpson's rule.
-        mean = (begin + 4 * middle + end) / 6
+        mean = runs @ _BOOLE
         return self._paths(np.concatenate([mean, end - begin], axis=-1), float(np.abs(knots).max()))
 
     def middle(self, row_after_s: RowAfter) -> Paths:

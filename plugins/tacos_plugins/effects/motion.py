@@ -130,7 +130,8 @@ class Motion:
         if found.shown is None or found.near is None:
             return found.light[None], depth_m, object_id
         with np.errstate(divide="ignore"):
-            return found.light[None], 1 / found.near[None], object_id.ravel()[found.shown][None]
+            depth_m = (1 / found.near[None]).astype(np.float32)
+        return found.light[None], depth_m, object_id.ravel()[found.shown][None]
 
     def _moved(
         self, frame: NDArray[np.floating], geometry: ImageGeometry, context: ImageContext, index: int
@@ -198,6 +199,6 @@ class _Moved:
     """A frame that has moved: (H, W, C) light; where rows are exposed one by one also (H, W) the pixel of the
     frame that each shows, row by row, and its inverse depth [1/m]."""
 
-    light: NDArray[np.floating]
+    light: NDArray[np.float32]
     shown: NDArray[np.int32] | None
     near: NDArray[np.float32] | None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,10 +29,12 @@ _ROUNDS = 3
 
 Floats = NDArray[np.float32]
 Ints = NDArray[np.int32]
+Single = Any
+"""A number of single precision, as numba makes of all that such numbers are made of."""
 
 
 @inlined
-def _between_rows(table: Floats, row: int, share: float, out: Floats) -> None:
+def _between_rows(table: Floats, row: int, share: Single, out: Floats) -> None:
     """Fill (tables, columns, powers, figures) with a table between two rows of its nodes."""
     for t in range(out.shape[0]):
         for c in range(out.shape[1]):
@@ -41,7 +45,7 @@ def _between_rows(table: Floats, row: int, share: float, out: Floats) -> None:
 
 
 @inlined
-def _value(nodes: Floats, table: int, column: int, share: float, near: float, k: int) -> float:
+def _value(nodes: Floats, table: int, column: int, share: Single, near: Single, k: int) -> Single:
     """One figure of a table at a place between two nodes, for an inverse depth."""
     left = nodes[table, column, 0, k] + near * (
         nodes[table, column, 1, k] + near * nodes[table, column, 2, k]
@@ -53,7 +57,7 @@ def _value(nodes: Floats, table: int, column: int, share: float, near: float, k:
 
 
 @inlined
-def _alike(near: Floats, table_of: Ints, row: int, column: int, most: int, alike: float) -> int:
+def _alike(near: Floats, table_of: Ints, row: int, column: int, most: int, alike: Single) -> int:
     """How many pixels from one on have its table, and inverse depths that differ by no more than `alike`."""
     n, t, count = near[row, column], table_of[row, column], 1
     while count < most and table_of[row, column + count] == t and abs(near[row, column + count] - n) <= alike:
@@ -68,7 +72,7 @@ def find_shown(
     middle: Floats,
     spacing: int,
     widest: int,
-    alike: float,
+    alike: Single,
     nodes: Floats,
     shown: Ints,
     moved_near: Floats,
@@ -117,7 +121,7 @@ def find_shown(
 
 
 @inlined
-def _kernel_up_to(t: float, shares: Floats) -> None:
+def _kernel_up_to(t: Single, shares: Floats) -> None:
     """How much of the cubic kernel (Keys 1981) lies below t + 1, t, t - 1 and t - 2, for t from 0 to 1."""
     half, sixth, eighth = np.float32(0.5), np.float32(1 / 6), np.float32(0.125)
     s = np.float32(1) - t
@@ -131,10 +135,10 @@ def _kernel_up_to(t: float, shares: Floats) -> None:
 def _average(
     lights: Floats,
     origin: int,
-    u: float,
-    v: float,
-    along: float,
-    slope: float,
+    u: Single,
+    v: Single,
+    along: Single,
+    slope: Single,
     step_u: int,
     step_v: int,
     taps: Floats,
@@ -162,7 +166,7 @@ def _average(
     """
     half = np.float32(0.5)
     begins, ends = scratch[0], scratch[1]
-    length = max(abs(along), _SHORTEST_PX)
+    length: Single = max(abs(along), _SHORTEST_PX)
     low, high = u - half * length, u + half * length
     first, last = int(np.floor(low)) - 1, int(np.floor(high)) - 1
     _kernel_up_to(low - np.float32(first + 1), begins)
@@ -170,8 +174,8 @@ def _average(
     scale = np.float32(1) / length
     there = v + (np.float32(first) - u) * slope
     found = out[target : target + LANES]
-    for k in range(LANES):
-        found[k] = 0
+    for lane in range(LANES):
+        found[lane] = 0
     for i in range(first, last + 4):
         weight = np.float32(1) if i < last else ends[i - last]
         if i < first + 4:
@@ -185,8 +189,8 @@ def _average(
         d = c + np.uint64(step_v)
         wa, wb = weight * taps[np.uint64(phase), 0], weight * taps[np.uint64(phase), 1]
         wc, wd = weight * taps[np.uint64(phase), 2], weight * taps[np.uint64(phase), 3]
-        for each in range(LANES):
-            k = np.uint64(each)
+        for lane in range(LANES):
+            k = np.uint64(lane)  # which cannot be counted from the end, as LLVM need not consider
             found[k] += wa * lights[a + k] + wb * lights[b + k] + wc * lights[c + k] + wd * lights[d + k]
         there += slope
 
@@ -200,7 +204,7 @@ def average_along(
     paths: Floats,
     spacing: int,
     widest: int,
-    alike: float,
+    alike: Single,
     nodes: Floats,
     taps: Floats,
     scratch: Floats,
