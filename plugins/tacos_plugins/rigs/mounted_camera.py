@@ -49,9 +49,6 @@ class SensorPart(PricedPart):
     shutter: str | None = setting(
         None, help="How rows are exposed, global (all at once) or rolling (one after the other), if known."
     )
-    row_time_us: float | None = setting(
-        None, help="Time from row to row of a rolling shutter, if known.", unit="us", ge=0
-    )
     power_w: float | None = setting(
         None, help="Power of a camera that is sold with it, if known.", unit="W", gt=0
     )
