@@ -250,11 +250,16 @@ PROCEDURES = {
     ),
 }
 
+TRANSFORMS = {
+    "resize": ("resize:Resize", "Smaller images, each pixel the mean of the area that it covers."),
+}
+
 FAMILIES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "rig": RIGS,
     "renderer": RENDERERS,
     "effect": EFFECTS,
     "sensor": SENSORS,
+    "transform": TRANSFORMS,
     "control": CONTROLS,
     "task": TASKS,
     "optimizer": OPTIMIZERS,

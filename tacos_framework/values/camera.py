@@ -98,7 +98,7 @@ class Camera:
     binning: float = 1.0
     principal_point_px: tuple[float, float] | None = None
     electrons: Electrons = Electrons()
-    sensor_binning: int = 1
+    sensor_binning: float = 1
     lens: Lens = PINHOLE
     colour: Colour | None = None
     shutter: str | None = None
