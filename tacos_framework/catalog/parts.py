@@ -79,6 +79,11 @@ class Catalog:
         if repeated := sorted({name for name in names if names.count(name) > 1}):
             raise ValueError(f"catalog {self.name} has more than one part called {', '.join(repeated)}")
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of its parts."""
+        return tuple(row.name for row in self.rows)
+
     def part(self, name: str) -> CatalogPart:
         """The part of that name.
 

@@ -34,12 +34,18 @@ def commands() -> list[Command]:
 
 def _catalog_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("name", nargs="?", help="a catalog to show; all of them are listed without")
+    parser.add_argument(
+        "part", nargs="?", help="a part of it, of which all is shown: values, sources, doubts"
+    )
 
 
 def _catalog(arguments: argparse.Namespace) -> int:
-    from tacos_plugins.authoring.catalogs import list_catalogs, show_catalog
+    from tacos_plugins.authoring.catalogs import list_catalogs, show_catalog, show_part
 
-    print(show_catalog(arguments.name) if arguments.name else list_catalogs())
+    if arguments.part:
+        print(show_part(arguments.name, arguments.part))
+    else:
+        print(show_catalog(arguments.name) if arguments.name else list_catalogs())
     return DONE
 
 

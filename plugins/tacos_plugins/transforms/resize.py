@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,7 +55,7 @@ class Resize:
         """The frames in fewer pixels, with the capture as those see it."""
         sizes = [self._pixels(view.camera) for view in frames.capture.views]
         views = [_resized_view(view, size) for view, size in zip(frames.capture.views, sizes, strict=True)]
-        images = [
+        images: list[Any] = [
             averaged(image, *_shape(view.camera, size), size).round().astype(image.dtype)
             for image, view, size in zip(frames.images, frames.capture.views, sizes, strict=True)
         ]
@@ -139,7 +140,7 @@ def _resized_view(view: View, pixels: float) -> View:
     """What the larger pixels face: mean light, and the truth at their centres."""
     height_px, width_px = shape = _shape(view.camera, pixels)
     at_centre = np.ix_(
-        range(len(view.depth_m)),
+        np.arange(len(view.depth_m)),
         _centres(view.camera.height_px, height_px, pixels),
         _centres(view.camera.width_px, width_px, pixels),
     )
@@ -154,4 +155,4 @@ def _resized_view(view: View, pixels: float) -> View:
 
 def _centres(size_px: int, new_px: int, pixels: float) -> NDArray[np.intp]:
     """(new,) the old pixel in which the centre of each new one lies."""
-    return np.intp((size_px - new_px * pixels) / 2 + pixels * (np.arange(new_px) + 0.5))
+    return ((size_px - new_px * pixels) / 2 + pixels * (np.arange(new_px) + 0.5)).astype(np.intp)
