@@ -174,6 +174,10 @@ TASKS = {
         "visual_odometry.task:VisualOdometry",
         "The camera's motion from its images, one camera or a stereo pair, against the known poses.",
     ),
+    "fiducials": (
+        "fiducials.task:Fiducials",
+        "AprilTag and ArUco markers: from how far they are read, and how right they are placed.",
+    ),
     "obstacle-visibility": (
         "obstacle_visibility:ObstacleVisibility",
         "Share of thresholds on the path that were seen before they were stepped on, and how early.",

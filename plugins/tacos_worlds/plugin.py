@@ -28,6 +28,12 @@ def tacos_components() -> list[Component]:
             summary="A room, building or street of your own: glTF, OBJ or PLY, lit, labelled and walked in.",
         ),
         Component(
+            "transform",
+            "place-tags",
+            "tacos_worlds.tags.place_tags:PlaceTags",
+            summary="AprilTag or ArUco markers on the walls of any world, between its scene and a renderer.",
+        ),
+        Component(
             "scene",
             "grey-bars",
             "tacos_worlds.bench.grey_bars:GreyBars",
