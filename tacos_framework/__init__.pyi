@@ -22,6 +22,7 @@ from .components import ReferencePage as ReferencePage
 from .contracts import FILE_STAGES as FILE_STAGES
 from .contracts import LIGHT_STAGES as LIGHT_STAGES
 from .contracts import STAGES as STAGES
+from .contracts import SURE as SURE
 from .contracts import Asked as Asked
 from .contracts import Budget as Budget
 from .contracts import Controller as Controller
@@ -29,6 +30,7 @@ from .contracts import ControllerBase as ControllerBase
 from .contracts import DesignProblem as DesignProblem
 from .contracts import Effect as Effect
 from .contracts import EffectBase as EffectBase
+from .contracts import Estimate as Estimate
 from .contracts import Evaluated as Evaluated
 from .contracts import Executor as Executor
 from .contracts import ExecutorBase as ExecutorBase

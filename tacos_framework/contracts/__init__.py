@@ -37,7 +37,7 @@ from tacos_framework.contracts.effect import (
     moves_pixels,
 )
 from tacos_framework.contracts.executor import Executor, ExecutorBase, JobRunner
-from tacos_framework.contracts.observed import LookAlike, ObservedCapture, ShownBy
+from tacos_framework.contracts.observed import SURE, Estimate, LookAlike, ObservedCapture, ShownBy
 from tacos_framework.contracts.optimizer import (
     Asked,
     DesignProblem,
@@ -73,6 +73,7 @@ __all__ = [
     "LIGHT_STAGES",
     "PROTOCOLS",
     "STAGES",
+    "SURE",
     "VERBS",
     "WANTED_FILES",
     "Asked",
@@ -84,6 +85,7 @@ __all__ = [
     "Effect",
     "EffectBase",
     "EpisodeStore",
+    "Estimate",
     "Evaluated",
     "Executor",
     "ExecutorBase",

@@ -128,6 +128,10 @@ class EffectBase:
     guesses_from: ClassVar[Callable[..., Any] | None] = None
     """``guesses_from(captures) -> Iterable[Mapping[str, Any]]``, a class method: further initial guesses
     that the captures suggest, for an effect to which nothing points far from the truth."""
+    estimate_from: ClassVar[Callable[..., Any] | None] = None
+    """``estimate_from(captures) -> Iterable[Estimate]``, a class method: closed forms, one for each parameter
+    that captures tell of by arithmetic. A diagnosis begins with the effects that are surely there, and does
+    not look for one whose estimates all are surely negligible."""
     by_capture: ClassVar[Sequence[str]] = ()
     """Settings a camera sets anew for each picture, as its focus. Where several captures show the effect, a
     diagnosis may fit a value for each; it asks ``guesses_from`` of each capture by itself."""

@@ -132,6 +132,46 @@ class ShownBy:
     remedy: str
 
 
+SURE = 3.0
+"""Standard errors within which an estimate is believed."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What captures tell of a parameter of an effect by arithmetic alone.
+
+    Parameters
+    ----------
+    parameter
+        One that the effect's `neutral` names.
+    value, standard_error
+        In its unit.
+    negligible
+        By how much it may part from neutral unnoticed, in its unit.
+    """
+
+    parameter: str
+    value: float
+    standard_error: float
+    negligible: float
+
+    def is_seen(self, neutral: float) -> bool:
+        """Whether it surely parts from neutral, and by what matters.
+
+        >>> Estimate("sigma", 0.008, 0.0002, 0.0007).is_seen(0.0)
+        True
+        """
+        return abs(self.value - neutral) > max(SURE * self.standard_error, self.negligible)
+
+    def is_excluded(self, neutral: float) -> bool:
+        """Whether it surely lies within what is negligible around neutral.
+
+        >>> Estimate("sigma", 0.0002, 0.0001, 0.0007).is_excluded(0.0)
+        True
+        """
+        return abs(self.value - neutral) + SURE * self.standard_error < self.negligible
+
+
 def of_kind(captures: Captures, *kinds: str) -> list[ObservedCapture]:
     """The captures of some kinds."""
     return [capture for capture in captures if capture.kind in kinds]

@@ -184,6 +184,7 @@ OPTIONAL_CALLS: Mapping[str, tuple[Call, ...]] = {
         Call("origins", ("camera",)),
         Call("moments", ("mean_dn", "variance_dn2"), ("geometry", "context")),
         Call("guesses_from", ("captures",)),
+        Call("estimate_from", ("captures",)),
     ),
     "rig": (Call("coordinates", ("variables",)),),
     "sensor": (Call("lacks", ("rig",)),),

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tacos_framework import culprit_of, generator, in_one_thread
 from tacos_gap.answer.causes import cause_set_of, causes_of
 from tacos_gap.answer.detection_limits import detection_limits
-from tacos_gap.answer.findings import LEAST_PRESENT, Cause, Diagnosis
+from tacos_gap.answer.findings import LEAST_PRESENT, Cause, Diagnosis, SoFar
 from tacos_gap.answer.next_capture import best_capture
 from tacos_gap.answer.transfer import of_each_capture, of_one_specimen
 from tacos_gap.answer.undiagnosed import nothing_measured
@@ -29,11 +29,13 @@ from tacos_gap.captures.sharp_edges import with_sharp_edges
 from tacos_gap.evidence import Evidence, ImageEvidence
 from tacos_gap.evidence.boards import BoardEvidence, boards_found, evidence_of_boards, hidden_by_pose
 from tacos_gap.hypotheses.candidates import Candidates
+from tacos_gap.hypotheses.closed_forms import ClosedForm, closed_forms, excluded, seen_terms
+from tacos_gap.hypotheses.kept import KeptTerm, kept_terms
 from tacos_gap.hypotheses.parameters import HypothesisTerm
 from tacos_gap.inference.closure import Share, closure, resampled_gaps
 from tacos_gap.inference.fit import Fitted
 from tacos_gap.inference.location import locate
-from tacos_gap.inference.problem import Problem, placed_in
+from tacos_gap.inference.problem import Hypothesis, Problem, placed_in
 from tacos_gap.inference.unknown import Unexplained, unexplained
 from tacos_gap.nuisances import light_beyond_stated
 from tacos_gap.statistics.unmeasured import is_cut_off, nothing_seen, unmeasured
@@ -44,6 +46,8 @@ LEAST_BESIDE_UNKNOWN = 0.1
 
 EDGES_ALONE = "Pictures of nothing but edges"
 EVEN_FIELDS_ALONE = "Captures of nothing but even fields"
+
+CLOSED_FORMS = "what the captures tell by themselves"
 
 Notify = Callable[[str], None]
 
@@ -57,10 +61,14 @@ def diagnose(
     workers: int = 2,
     notify: Notify | None = None,
     simulations: int = SIMULATIONS,
+    keep: Callable[[SoFar], None] | None = None,
+    begun: Sequence[KeptTerm] = (),
 ) -> Diagnosis:
     """Find what parts a simulation from a real camera.
 
-    An effect that raises is left out, and named in the limitations.
+    What captures tell by arithmetic alone comes first: effects that are surely there begin the search, and
+    those that surely are not are not looked for. An effect that raises is left out, and named in the
+    limitations.
 
     Parameters
     ----------
@@ -72,6 +80,10 @@ def diagnose(
         Told what is being done.
     simulations
         Those of all captures after which no further effect is looked for.
+    keep
+        Given what is known so far, first what arithmetic tells, then each explanation that is found.
+    begun
+        An explanation that an earlier search had come to; this one goes on from there.
 
     Raises
     ------
@@ -82,15 +94,25 @@ def diagnose(
     considered = effects if isinstance(effects, Candidates) else Candidates(effects)
     for beyond, by in ((beyond_own_edges, EDGES_ALONE), (beyond_even_fields, EVEN_FIELDS_ALONE)):
         considered = considered.without_these(beyond(folder.captures, considered.effects), by)
-    tell("measuring the captures")
     folder = boards_found(folder)
+    tell(CLOSED_FORMS)
+    told = _told(considered, folder.captures)
+
+    def kept(hypothesis: Hypothesis) -> None:
+        if keep is not None:
+            keep(SoFar(told, hypothesis, folder.limitations))
+
+    kept(())
+    tell("measuring the captures")
     evidence, limitations = gather(folder, seed, workers)
     if not any(each.labels for each in evidence) or all(map(is_cut_off, folder.captures)):
         raise nothing_measured(folder, limitations)
     problem = Problem(evidence, workers)
     while True:
         try:
-            search = ForwardSelection(problem, considered.effects, workers, tell, simulations)
+            looked_for = considered.excluding(excluded(told))
+            terms = kept_terms(begun, looked_for) or seen_terms(told, looked_for)
+            search = ForwardSelection(problem, looked_for, workers, tell, simulations, terms, kept)
             found = _explained(search, folder.captures, considered.effects, seed, workers, tell)
         except Exception as error:
             culprit = culprit_of(error)
@@ -98,10 +120,21 @@ def diagnose(
             if name not in considered.effects:
                 raise
             considered = considered.without(name, error)
+            told = tuple(form for form in told if form.effect != name)
             tell(considered.limitations[-1])
         else:
             said = (*folder.limitations, *limitations, *considered.limitations, *found.limitations)
-            return replace(found, limitations=said)
+            return replace(found, limitations=said, closed_forms=told)
+
+
+def _told(considered: Candidates, captures: Sequence[RealCapture]) -> tuple[ClosedForm, ...]:
+    """What arithmetic tells; nothing of an effect whose closed form fails, which the search then meets."""
+    try:
+        return closed_forms(considered.effects, captures)
+    except Exception as error:
+        if culprit_of(error) is None:
+            raise
+        return ()
 
 
 def _explained(

@@ -10,6 +10,9 @@ from typing import Any
 from tacos_gap.attribution import Attribution
 from tacos_gap.attribution.negative_control import NegativeControl
 from tacos_gap.hypotheses.ambiguity import NextCapture
+from tacos_gap.hypotheses.closed_forms import ClosedForm
+from tacos_gap.hypotheses.kept import as_kept
+from tacos_gap.hypotheses.parameters import HypothesisTerm
 from tacos_gap.inference.closure import closure
 from tacos_gap.inference.location import Place
 from tacos_gap.inference.problem import Problem
@@ -74,6 +77,26 @@ class Cause:
 
 
 @dataclass(frozen=True, eq=False)
+class SoFar:
+    """What is known while a search goes on; `as_data` gives ``so_far.json``.
+
+    `explanation` is the best one by now, empty before there is any.
+    """
+
+    closed_forms: Sequence[ClosedForm]
+    explanation: Sequence[HypothesisTerm]
+    limitations: tuple[str, ...]
+
+    def as_data(self) -> dict[str, Any]:
+        """Plain data; `explanation` is where ``--resume`` goes on."""
+        return {
+            "closed_forms": [form.as_data() for form in self.closed_forms],
+            "explanation": as_kept(self.explanation),
+            "limitations": list(self.limitations),
+        }
+
+
+@dataclass(frozen=True, eq=False)
 class Diagnosis:
     """What was found; `as_data` gives ``diagnosis.json``.
 
@@ -101,6 +124,7 @@ class Diagnosis:
     not_held_out: str = ""
     detectable: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     nuisances: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    closed_forms: Sequence[ClosedForm] = ()
 
     def as_data(self) -> dict[str, Any]:
         """``diagnosis.json`` as plain data."""
@@ -138,6 +162,7 @@ class Diagnosis:
             },
             "unknown": {"score": self.unknown.score, "where": self.unknown.where},
             "detectable": {effect: dict(limits) for effect, limits in self.detectable.items()},
+            "closed_forms": [form.as_data() for form in self.closed_forms],
             "nuisances": {capture: dict(values) for capture, values in self.nuisances.items()},
             "next_capture": self.next_capture
             and {"kind": self.next_capture.kind, "why": self.next_capture.why},

@@ -70,6 +70,7 @@ def undiagnosed_data(limitations: Sequence[str]) -> dict[str, Any]:
         "complete": {"score": 0.0, "by_stage": {}, "by_capture": {}},
         "unknown": {"score": 1.0, "where": None},
         "detectable": {},
+        "closed_forms": [],
         "nuisances": {},
         "next_capture": {"kind": WANTED.kind, "why": WANTED.why},
         "below_floor": [],

@@ -20,7 +20,7 @@ from tacos_gap.inference.alternative_guesses import in_its_best_form
 from tacos_gap.inference.codec import codec_of_files
 from tacos_gap.inference.discrete import searched
 from tacos_gap.inference.fit import DRAWS, Fitted, finished, fit
-from tacos_gap.inference.problem import Map, Problem, without
+from tacos_gap.inference.problem import Hypothesis, Map, Problem, without
 from tacos_gap.inference.pruning import pruned as less_parameters
 from tacos_gap.inference.screening import (
     ScreeningDirections,
@@ -73,6 +73,8 @@ class Rounds:
         Told what is being done.
     simulations
         How many of all captures may be made from now on before no further effect is looked for.
+    begun
+        Effects that selection begins with, where they explain more than nothing does.
     """
 
     def __init__(
@@ -82,7 +84,9 @@ class Rounds:
         each: Map,
         notify: Notify,
         simulations: int,
+        begun: Hypothesis = (),
     ):
+        self._begun = begun
         self._last = problem.simulations + simulations
         self.fits = Fits(problem, each)
         self.effects = effects
@@ -117,12 +121,28 @@ class Rounds:
                     best = self.fits.fitted([codec], near=best)[0]
                     self.notify(" + ".join(best.names))
                     continue
+            if self._begun and (first := self._with_begun(best)) is not None:
+                best = first
+                self.notify(" + ".join(best.names))
+                continue
             better = None if frozenset(best.names) in seen else self._extended(best)
             if better is None:
                 return best, left
             seen.add(frozenset(best.names))
             best = self.backward_elimination(better)
             self.notify(" + ".join(best.names))
+
+    def _with_begun(self, base: Fitted) -> Fitted | None:
+        """An explanation with those effects to begin with that it needs; None where it needs none."""
+        more, self._begun = [term for term in self._begun if term.name not in base.names], ()
+        hypothesis = (*base.hypothesis, *more)[:LARGEST]
+        if len(hypothesis) == len(base.hypothesis):
+            return None
+        fits = self.fits.fitted([hypothesis], near=base)
+        if not fits or fits[0].score <= base.score:
+            return None
+        kept = self.backward_elimination(fits[0])
+        return kept if len(kept.hypothesis) > len(base.hypothesis) else None
 
     def through_files(self, base: Fitted) -> Fitted:
         """Effects on files alone, as many as pay."""

@@ -8,7 +8,7 @@ explanation.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any
@@ -29,7 +29,7 @@ from tacos_gap.attribution.rounds import (
 )
 from tacos_gap.attribution.selection_rule import COMPLEXITY_PENALTY, least_of_a_rival
 from tacos_gap.inference.fit import Fitted, finished
-from tacos_gap.inference.problem import Problem, without
+from tacos_gap.inference.problem import Hypothesis, Problem, without
 from tacos_gap.inference.pruning import restored
 from tacos_gap.inference.screening import screening_score
 from tacos_gap.inference.unknown import Unexplained, unexplained
@@ -52,6 +52,10 @@ class ForwardSelection:
         Told what is being done.
     simulations
         Those of all captures after which no further effect is looked for.
+    begun
+        Effects that the search begins with.
+    keep
+        Given each explanation as it is found, so that a search that is broken off can go on from there.
     """
 
     def __init__(
@@ -61,8 +65,12 @@ class ForwardSelection:
         workers: int = 2,
         notify: Notify | None = None,
         simulations: int = SIMULATIONS,
+        begun: Hypothesis = (),
+        keep: Callable[[Hypothesis], None] | None = None,
     ):
         self._problem = problem
+        self._begun = begun
+        self._keep = keep or (lambda hypothesis: None)
         self._simulations = simulations
         self._notify = notify or (lambda text: None)
         self._workers = workers
@@ -72,13 +80,15 @@ class ForwardSelection:
         """Search, and compare what was found with its rivals."""
         with ThreadPoolExecutor(self._workers) as pool:
             rounds = self._rounds = Rounds(
-                self._problem, self._effects, pool.map, self._notify, self._simulations
+                self._problem, self._effects, pool.map, self._notify, self._simulations, self._begun
             )
             best = self._explained(rounds.fits.null)
+            self._keep(best.hypothesis)
             slots: dict[str, dict[str, Fitted]] = {}
             for _ in range(LARGEST if best.hypothesis else 0):
                 self._notify(RIVALS)
                 best = rounds.pruned(best)
+                self._keep(best.hypothesis)
                 slots = {name: self._rivals(best, name) for name in best.names}
                 better = self._better_rival(best, slots)
                 if better is None or rounds.cut_short:

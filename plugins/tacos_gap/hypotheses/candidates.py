@@ -35,6 +35,10 @@ class Candidates:
         said = f"{by} cannot show {', '.join(sorted(names))}: not considered."
         return Candidates(kept, self.distributions, (*self.limitations, said))
 
+    def excluding(self, names: Collection[str]) -> dict[str, type[Any]]:
+        """The effects that are looked for where some surely are negligible."""
+        return {name: cls for name, cls in self.effects.items() if name not in names}
+
     def without(self, name: str, error: BaseException) -> Candidates:
         """The candidates without one that raised."""
         return Candidates(

@@ -37,6 +37,7 @@ from tacos_gap.hypotheses.candidates import candidates
 from tacos_gap.inference.problem import placed
 from tacos_gap.procedures.checks import check_all, check_captures
 from tacos_gap.procedures.progress import Telling
+from tacos_gap.procedures.so_far import KeptSoFar
 from tacos_gap.report import task_words
 from tacos_gap.report.limits_in_words import limits_in_words, sentence
 from tacos_gap.report.one_wall import of_one_wall
@@ -54,10 +55,11 @@ from tacos_report.page import write_page
 class Diagnose:
     """Compares real captures with what a simulator expects, and names the effects it leaves out.
 
-    Writes ``diagnosis.json`` (what was found), ``patched.yaml`` (the causes, as effects to add to a recipe by
-    ``--with``) and ``report.html``. Tasks are scored on the real frames and on simulated ones, without and
-    with the causes: those of `task` or `study`, by default ORB features. With `study` it also says whether
-    that study would choose another camera once the causes are simulated.
+    Writes ``diagnosis.json`` (what was found), ``patched.yaml`` (the causes, as effects to add to a recipe
+    by ``--with``) and ``report.html``. What arithmetic tells comes first, in ``so_far.json``; a run that is
+    stopped goes on from what that holds with ``--resume``. Tasks are scored on the real frames and on
+    simulated ones, without and with the causes: those of `task` or `study`, by default ORB features. With
+    `study` it also says whether that study would choose another camera once the causes are simulated.
     """
 
     class Config(Settings):
@@ -112,10 +114,11 @@ class Diagnose:
         )
 
     def run(
-        self, *, out: Path, seed: int, plugins: Plugins, executor: Executor, progress: Progress
+        self, *, out: Path, seed: int, plugins: Plugins, executor: Executor, progress: Progress, resume: bool
     ) -> Mapping[str, Any]:
-        """Diagnose, and write what was found."""
+        """Diagnose, and write what was found; what is known so far lies in ``so_far.json`` meanwhile."""
         began = time.monotonic()
+        so_far = KeptSoFar(out / "so_far.json", progress)
         considered = candidates(plugins, self.config.without)
         question, tasks = self._question(), self._tasks(plugins)
         sensor = self._sensor(plugins)
@@ -134,6 +137,8 @@ class Diagnose:
                     workers=self.config.workers,
                     notify=tell,
                     simulations=self.config.simulations,
+                    keep=so_far,
+                    begun=so_far.explanation() if resume else (),
                 )
         except NothingMeasured as nothing:
             data = undiagnosed_data(nothing.limitations)

@@ -11,6 +11,7 @@ from types import TracebackType
 from typing import Self
 
 from tacos_framework import Progress
+from tacos_gap.answer.diagnosis import CLOSED_FORMS
 from tacos_gap.attribution.selection import RIVALS
 from tacos_report.quantities import duration
 
@@ -20,6 +21,7 @@ EVERY_S = 20.0
 """At most so long nothing is said [s]."""
 
 DONE_AT = {
+    CLOSED_FORMS: 0.0,
     "measuring the captures": 0.0,
     "trying effects": 0.1,
     RIVALS: 0.75,

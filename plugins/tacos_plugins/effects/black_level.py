@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tacos_framework import (
     Captures,
+    Estimate,
     ImageContext,
     ImageGeometry,
     LookAlike,
@@ -20,7 +21,7 @@ from tacos_framework import (
     physical,
     setting,
 )
-from tacos_plugins.effects import observations
+from tacos_plugins.effects import closed_forms, observations
 from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.shown_by import DARK
 
@@ -70,6 +71,12 @@ class BlackLevel:
 
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @classmethod
+    def estimate_from(cls, captures: Captures) -> Iterator[Estimate]:
+        """What the shortest dark lies above the believed pedestal by."""
+        if off := closed_forms.pedestal_off_dn(captures):
+            yield Estimate("offset_dn", *off, negligible=0.06)
 
     @classmethod
     def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:

@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import ImageContext, ImageGeometry, Settings, ShownBy, Stage, setting
+from tacos_framework import (
+    Captures,
+    Estimate,
+    ImageContext,
+    ImageGeometry,
+    Settings,
+    ShownBy,
+    Stage,
+    setting,
+)
+from tacos_plugins.effects import closed_forms
 from tacos_plugins.effects.correlation import correlate
 from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.shown_by import REPEATED_FLAT
@@ -52,6 +62,12 @@ class Crosstalk:
         kernel = np.array([[corner, side, corner], [side, 0.0, side], [corner, side, corner]])
         kernel[1, 1] = 1 - kernel.sum()
         return kernel
+
+    @classmethod
+    def estimate_from(cls, captures: Captures) -> Iterator[Estimate]:
+        """Half of the correlation of neighbours' noise in walls, which is about two shares."""
+        if found := closed_forms.neighbour_correlation(captures):
+            yield Estimate("share", found.value / 2, found.standard_error / 2, negligible=0.002)
 
     def on_array(
         self,

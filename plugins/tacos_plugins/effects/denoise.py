@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, ClassVar
 
@@ -10,7 +10,17 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import ImageContext, ImageGeometry, Settings, ShownBy, Stage, setting
+from tacos_framework import (
+    Captures,
+    Estimate,
+    ImageContext,
+    ImageGeometry,
+    Settings,
+    ShownBy,
+    Stage,
+    setting,
+)
+from tacos_plugins.effects import closed_forms
 from tacos_plugins.effects.shown_by import REPEATED_FLAT
 
 SIZE_PX = 5
@@ -63,6 +73,12 @@ class Denoise:
 
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @classmethod
+    def estimate_from(cls, captures: Captures) -> Iterator[Estimate]:
+        """None, where the noise of neighbours in walls is independent; else it tells not how much."""
+        if closed_forms.is_white(captures):
+            yield Estimate("strength", 0.0, 0.0, negligible=0.01)
 
     def on_array(
         self,

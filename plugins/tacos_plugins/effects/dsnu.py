@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tacos_framework import (
     Captures,
+    Estimate,
     ImageContext,
     ImageGeometry,
     LookAlike,
@@ -18,7 +19,7 @@ from tacos_framework import (
     physical,
     setting,
 )
-from tacos_plugins.effects import observations
+from tacos_plugins.effects import closed_forms, observations
 from tacos_plugins.effects.darks import steady_darks
 from tacos_plugins.effects.fixed_pattern import PatternSettings, column_pattern, pixel_pattern
 from tacos_plugins.effects.pointwise import Moments
@@ -100,6 +101,14 @@ class Dsnu:
 
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @classmethod
+    def estimate_from(cls, captures: Captures) -> Iterator[Estimate]:
+        """The covariance of halves of the darks' frames, beside their local mean."""
+        if found := closed_forms.pattern_variance(closed_forms.whole_darks(captures), relative=False):
+            yield Estimate("sigma_dn", *closed_forms.root(found), negligible=0.05)
+        if found := closed_forms.column_pattern_variance_dn2(closed_forms.whole_darks(captures)):
+            yield Estimate("column_sigma_dn", *closed_forms.root(found), negligible=0.03)
 
     @classmethod
     def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:

@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import ImageContext, ImageGeometry, Settings, ShownBy, Stage, setting
+from tacos_framework import (
+    Captures,
+    Estimate,
+    ImageContext,
+    ImageGeometry,
+    Settings,
+    ShownBy,
+    Stage,
+    setting,
+)
+from tacos_plugins.effects import closed_forms
 from tacos_plugins.effects.shown_by import FLAT
 
 
@@ -39,6 +49,13 @@ class IlluminationGradient:
 
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @classmethod
+    def estimate_from(cls, captures: Captures) -> Iterator[Estimate]:
+        """The plane that fits walls best beside an even polynomial of the radius."""
+        if found := closed_forms.shading(captures):
+            yield Estimate("gx", *found.gx, negligible=0.004)
+            yield Estimate("gy", *found.gy, negligible=0.004)
 
     def on_array(
         self,

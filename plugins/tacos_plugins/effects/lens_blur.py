@@ -3,14 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import ImageContext, ImageGeometry, Settings, ShownBy, Stage, physical, setting
+from tacos_framework import (
+    Captures,
+    Estimate,
+    ImageContext,
+    ImageGeometry,
+    Settings,
+    ShownBy,
+    Stage,
+    physical,
+    setting,
+    structured,
+)
+from tacos_plugins.effects import closed_forms
 from tacos_plugins.effects.blur import airy_transfer, blur, gaussian_kernel, kernel_of
+from tacos_plugins.effects.edge_spread import edge_variances_px2
 from tacos_plugins.effects.shown_by import EDGES
 
 _STEP = 1.15  # from each blur to the next
@@ -59,6 +72,13 @@ class LensBlur:
 
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @classmethod
+    def estimate_from(cls, captures: Captures) -> Iterator[Estimate]:
+        """The root of the variance that straight edges are spread by."""
+        variances = [value for each in structured(captures) for value in edge_variances_px2(each)]
+        if spread := closed_forms.mean_of(variances):
+            yield Estimate("sigma_px", *closed_forms.root(spread), negligible=0.2)
 
     def on_array(
         self,

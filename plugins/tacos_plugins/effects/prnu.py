@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import ImageContext, ImageGeometry, LookAlike, ShownBy, Stage, setting
-from tacos_plugins.effects import observations
+from tacos_framework import (
+    Captures,
+    Estimate,
+    ImageContext,
+    ImageGeometry,
+    LookAlike,
+    ShownBy,
+    Stage,
+    setting,
+)
+from tacos_plugins.effects import closed_forms, observations
 from tacos_plugins.effects.fixed_pattern import PatternSettings, pixel_pattern
 from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.shown_by import FLAT, REPEATED_FLAT
@@ -56,6 +65,13 @@ class Prnu:
 
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @classmethod
+    def estimate_from(cls, captures: Captures) -> Iterator[Estimate]:
+        """The same covariance of walls, over their squared signal."""
+        walls = closed_forms.whole_walls(captures, frames=2)
+        if found := closed_forms.pattern_variance(walls, relative=True):
+            yield Estimate("sigma", *closed_forms.root(found), negligible=0.001)
 
     def on_array(
         self,

@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import ImageContext, ImageGeometry, Settings, ShownBy, Stage, physical, setting
+from tacos_framework import (
+    Captures,
+    Estimate,
+    ImageContext,
+    ImageGeometry,
+    Settings,
+    ShownBy,
+    Stage,
+    physical,
+    setting,
+)
+from tacos_plugins.effects import closed_forms
 from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.shown_by import DARK
 
@@ -61,6 +72,13 @@ class RowNoise:
 
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @classmethod
+    def estimate_from(cls, captures: Captures) -> Iterator[Estimate]:
+        """What rows and columns of darks share from frame to frame, beyond what independent pixels would."""
+        for name, axis in (("sigma_dn", 1), ("column_sigma_dn", 0)):
+            if found := closed_forms.line_variance_dn2(captures, axis):
+                yield Estimate(name, *closed_forms.root(found), negligible=0.05)
 
     def on_array(
         self,

@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import ImageContext, ImageGeometry, Settings, ShownBy, Stage, setting
+from tacos_framework import (
+    Captures,
+    Estimate,
+    ImageContext,
+    ImageGeometry,
+    Settings,
+    ShownBy,
+    Stage,
+    setting,
+)
+from tacos_plugins.effects import closed_forms
 from tacos_plugins.effects.blur import gaussian_transfer, kernel_of
 from tacos_plugins.effects.correlation import correlate
 from tacos_plugins.effects.pointwise import Moments
@@ -58,6 +68,12 @@ class Sharpening:
         kernel = -self.config.amount * bell
         kernel[len(bell) // 2, len(bell) // 2] += 1 + self.config.amount
         return kernel
+
+    @classmethod
+    def estimate_from(cls, captures: Captures) -> Iterator[Estimate]:
+        """None, where the noise of neighbours in walls is independent; else it tells not how much."""
+        if closed_forms.is_white(captures):
+            yield Estimate("amount", 0.0, 0.0, negligible=0.01)
 
     def on_array(
         self,

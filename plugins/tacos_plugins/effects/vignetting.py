@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import ImageContext, ImageGeometry, LookAlike, Settings, ShownBy, Stage, setting
-from tacos_plugins.effects import observations
+from tacos_framework import (
+    Captures,
+    Estimate,
+    ImageContext,
+    ImageGeometry,
+    LookAlike,
+    Settings,
+    ShownBy,
+    Stage,
+    setting,
+)
+from tacos_plugins.effects import closed_forms, observations
 from tacos_plugins.effects.radial import brightens, even_polynomial
 from tacos_plugins.effects.shown_by import FLAT
 
@@ -64,6 +74,13 @@ class Vignetting:
     def plausible(self) -> bool:
         """Whether light falls off, or at least does not rise: no lens brightens its corners."""
         return not brightens(self.config.k1, self.config.k2, self.config.k3)
+
+    @classmethod
+    def estimate_from(cls, captures: Captures) -> Iterator[Estimate]:
+        """The even polynomial that fits walls best beside a plane of light."""
+        if found := closed_forms.shading(captures):
+            yield Estimate("k1", *found.k1, negligible=0.004)
+            yield Estimate("k2", *found.k2, negligible=0.004)
 
     def on_array(
         self,

@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 from tacos_framework.plugins import Plugins
 from tacos_gap.answer.diagnosis import diagnose
-from tacos_gap.answer.findings import Diagnosis
+from tacos_gap.answer.findings import Diagnosis, SoFar
 from tacos_gap.captures import CaptureFolder
 from tests.gap.small_captures import bench, capture, placed, taken
 
@@ -131,3 +131,23 @@ def test_one_frame_of_one_flat_does_not_tell_the_lens_from_the_light(effects):
 def test_the_same_seed_gives_the_same_diagnosis(effects):
     captures = taken(bench()[:4], [make(effects, "black-level", offset_dn=3.0)])
     assert run(captures, effects).as_data() == run(captures, effects).as_data()
+
+
+def test_what_arithmetic_tells_begins_the_search_and_ends_some_of_it(effects):
+    plugins = Plugins.discover()
+    more = {**effects, "illumination-gradient": plugins.resolve("effect.illumination-gradient")}
+    both = [make(effects, "vignetting", k1=-0.3), make(effects, "prnu", sigma=0.01)]
+    captures = CaptureFolder(Path("captures"), tuple(taken(bench(), both)))
+    kept: list[SoFar] = []
+    found = diagnose(captures, more, seed=3, keep=kept.append)
+    says = {(form.effect, form.estimate.parameter): form.says for form in found.closed_forms}
+    assert says["vignetting", "k1"] == says["prnu", "sigma"] == "seen"
+    assert says["illumination-gradient", "gx"] == "excluded"
+    assert {cause.effect for cause in found.causes} == {"vignetting", "prnu"}
+    assert "illumination-gradient" not in found.attribution.directions
+    assert kept[0].closed_forms
+    assert kept[0].explanation == ()
+    assert {term.name for term in kept[-1].explanation} == {"vignetting", "prnu"}
+    again = diagnose(captures, more, seed=3, begun=kept[-1].as_data()["explanation"])
+    assert {cause.effect for cause in again.causes} == {"vignetting", "prnu"}
+    assert again.problem.simulations <= found.problem.simulations

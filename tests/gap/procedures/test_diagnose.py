@@ -16,6 +16,7 @@ from tacos_framework import ProcedureRecipe, UserError, run
 from tacos_framework.cli import run_main
 from tacos_framework.plugins import Plugins
 from tacos_framework.testing import ProcedureConformance
+from tacos_gap.attribution import ForwardSelection
 from tacos_gap.captures import RealCapture
 from tacos_gap.captures.writer import write_captures
 from tacos_gap.hypotheses.candidates import candidates
@@ -31,6 +32,7 @@ KEYS = {
     "complete",
     "unknown",
     "detectable",
+    "closed_forms",
     "nuisances",
     "next_capture",
     "below_floor",
@@ -58,6 +60,31 @@ def diagnosed(
     run(recipe, out=folder / "out", plugins=plugins)
     data = json.loads((folder / "out" / "diagnosis.json").read_text("utf-8"))
     return data, (folder / "out" / "report.html").read_text("utf-8")
+
+
+def test_a_run_that_is_stopped_leaves_what_is_known_and_goes_on(
+    plugins: Plugins, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    captures = [capture("dark", 0.0), capture("flat", 60.0), capture("flat", 150.0)]
+    write_captures(tmp_path / "captures", taken(captures, [effect(plugins, "vignetting", k1=-0.3)]))
+    considered = {"vignetting", "read-noise", "black-level"}
+    without = sorted(set(candidates(plugins).effects) - considered)
+    settings = {"captures": str(tmp_path / "captures"), "without": without, "workers": 1}
+    recipe = ProcedureRecipe("procedure.diagnose", settings)
+
+    def stop(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(ForwardSelection, "_rivals", stop)
+        with pytest.raises(KeyboardInterrupt):
+            run(recipe, out=tmp_path / "out", plugins=plugins)
+    so_far = json.loads((tmp_path / "out" / "so_far.json").read_text("utf-8"))
+    says = {form["effect"]: form["says"] for form in so_far["closed_forms"] if form["parameter"] != "k2"}
+    assert says == {"vignetting": "seen", "black-level": "excluded"}
+    assert [term["effect"] for term in so_far["explanation"]] == ["vignetting"]
+    told = run(recipe, out=tmp_path / "out", plugins=plugins, resume=True)
+    assert [cause["effect"] for cause in told["diagnosis"]["causes"]] == ["vignetting"]
 
 
 def headline(report: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 
 from tacos_framework.simulation import Evaluation
+from tacos_gap.answer.diagnosis import CLOSED_FORMS
 from tacos_gap.procedures.progress import Telling, done_after
 
 
@@ -52,6 +53,7 @@ def test_a_long_stage_is_not_silent() -> None:
 def test_what_is_gone_never_falls() -> None:
     share = 0.0
     for text in (
+        CLOSED_FORMS,
         "measuring the captures",
         "trying effects",
         "a",
@@ -62,4 +64,5 @@ def test_what_is_gone_never_falls() -> None:
     ):
         later = done_after(share, text)
         assert share <= later < 1
+        assert later == 0 or text not in (CLOSED_FORMS, "measuring the captures")
         share = later

@@ -1,0 +1,131 @@
+"""What arithmetic tells of a camera of numpy's own, with errors that hold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+
+from tacos_framework.contracts.observed import Estimate
+from tacos_gap.captures import RealCapture
+from tacos_plugins.effects import closed_forms
+from tacos_plugins.effects.crosstalk import Crosstalk
+from tacos_plugins.effects.dsnu import Dsnu
+from tacos_plugins.effects.edge_spread import edge_variances_px2
+from tacos_plugins.effects.lens_blur import LensBlur
+from tacos_plugins.effects.prnu import Prnu
+from tacos_plugins.effects.row_noise import RowNoise
+from tacos_plugins.effects.sharpening import Sharpening
+from tacos_plugins.effects.vignetting import Vignetting
+from tests.gap.taken import BLACK_DN, HEIGHT, WIDTH, capture
+
+FULL_E = 6000.0
+
+
+class Camera:
+    """Shot noise of electrons, a pattern, fall-off, rows that jump, blur; whole numbers."""
+
+    def __init__(self, seed: int, **wrong: float):
+        self.rng = np.random.default_rng(seed)
+        self.wrong = wrong
+        self.response = 1 + wrong.get("prnu", 0.0) * self.rng.standard_normal((HEIGHT, WIDTH))
+        self.offsets = wrong.get("columns", 0.0) * self.rng.standard_normal((1, WIDTH))
+
+    def frame(self, level_dn: np.ndarray | float) -> np.ndarray:
+        wrong, shape = self.wrong, (HEIGHT, WIDTH)
+        light = np.broadcast_to(np.asarray(level_dn, float), shape)
+        if sigma := wrong.get("blur"):
+            light = cv2.GaussianBlur(light, (0, 0), sigma)
+        y, x = np.mgrid[:HEIGHT, :WIDTH]
+        r2 = ((x - (WIDTH - 1) / 2) ** 2 + (y - (HEIGHT - 1) / 2) ** 2) / (WIDTH**2 / 4 + HEIGHT**2 / 4)
+        electrons = light / 255 * FULL_E * (1 + wrong.get("k1", 0.0) * r2) * self.response
+        noisy = self.rng.poisson(np.maximum(electrons, 0)) + self.rng.normal(0, 20, shape)
+        dn = noisy * 255 / FULL_E + BLACK_DN + self.offsets
+        dn = dn + wrong.get("rows", 0.0) * self.rng.standard_normal((HEIGHT, 1))
+        if share := wrong.get("share"):
+            kernel = np.full((3, 3), share)
+            kernel[1, 1] = 1 - 8 * share
+            dn = cv2.filter2D(dn, -1, kernel)
+        return np.asarray(np.clip(np.rint(dn), 0, 255), np.float32)
+
+    def taken(self, kind: str, level: np.ndarray | float, frames: int = 4) -> RealCapture:
+        real = np.stack([self.frame(level) for _ in range(frames)])[..., None]
+        return replace(capture(kind, level, frames=frames), real_dn=real)
+
+    def folder(self) -> list[RealCapture]:
+        return [self.taken("dark", 0.0), *(self.taken("flat", level) for level in (60.0, 120.0, 180.0))]
+
+
+def told(cls: type, camera: Camera) -> dict[str, Estimate]:
+    found: Iterator[Estimate] = cls.estimate_from(camera.folder())  # type: ignore[attr-defined]
+    return {each.parameter: each for each in found}
+
+
+@pytest.mark.parametrize(
+    ("cls", "wrong", "parameter", "value"),
+    [
+        (RowNoise, {"rows": 0.4}, "sigma_dn", 0.4),
+        (Dsnu, {"columns": 0.5}, "column_sigma_dn", 0.5),
+        (Prnu, {"prnu": 0.009}, "sigma", 0.009),
+        (Vignetting, {"k1": -0.3}, "k1", -0.3),
+        (Crosstalk, {"share": 0.015}, "share", 0.0145),
+    ],
+)
+def test_what_is_there_is_seen_within_its_error_and_else_it_is_not(cls, wrong, parameter, value):
+    name = next(iter(wrong))
+    seen = told(cls, Camera(1, **wrong))[parameter]
+    assert seen.is_seen(0.0)
+    assert seen.value == pytest.approx(value, abs=4 * seen.standard_error + 0.03 * abs(value))
+    absent = told(cls, Camera(2))
+    assert not any(each.is_seen(0.0) for each in absent.values()), name
+
+
+def test_errors_of_a_pattern_hold_about_as_often_as_they_say():
+    """Of the variance, which is what is measured."""
+    misses = []
+    for seed in range(20):
+        walls = [Camera(seed, prnu=0.006).taken("flat", 150.0, frames=2)]
+        found = closed_forms.pattern_variance(walls, relative=True)
+        assert found is not None
+        misses.append((found.value - 0.006**2) / found.standard_error)
+    assert 0.5 < np.std(misses) < 2.0
+    assert abs(np.mean(misses)) < 1.0
+
+
+def test_an_effect_is_excluded_only_with_power():
+    many = Estimate("sigma", 0.0001, 0.0002, negligible=0.001)
+    few = Estimate("sigma", 0.0001, 0.002, negligible=0.001)
+    assert many.is_excluded(0.0)
+    assert not few.is_excluded(0.0)
+    assert not few.is_seen(0.0)
+
+
+def test_sharpened_noise_is_not_white_and_excludes_no_sharpening():
+    flat = Camera(3).taken("flat", 120.0, frames=6)
+    sharp = flat.real_dn + 0.5 * (
+        flat.real_dn - np.stack([cv2.blur(f, (3, 3))[..., None] for f in flat.real_dn])
+    )
+    assert list(Sharpening.estimate_from([replace(flat, real_dn=sharp)])) == []
+
+
+def test_darks_cut_off_at_0_tell_no_pedestal_and_no_rows():
+    dark = Camera(4).taken("dark", 0.0)
+    cut = replace(dark, real_dn=np.maximum(dark.real_dn - BLACK_DN, 0))
+    assert closed_forms.pedestal_off_dn([cut]) is None
+    assert list(RowNoise.estimate_from([cut])) == []
+
+
+@pytest.mark.parametrize("sigma_px", [0.7, 1.3, 2.0])
+@pytest.mark.parametrize("turned", [False, True])
+def test_the_spread_of_an_edge_is_that_of_the_blur(sigma_px, turned):
+    fine = 8
+    y, x = np.mgrid[: HEIGHT * fine, : WIDTH * fine] / fine
+    across = (y - HEIGHT / 2 - 0.1 * (x - WIDTH / 2)) if turned else (x - WIDTH / 2 - 0.1 * (y - HEIGHT / 2))
+    ideal = cv2.resize(np.where(across > 0, 160.0, 30.0), (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA)
+    edge = replace(Camera(5, blur=sigma_px, k1=-0.2).taken("edge", ideal), edge_angle_deg=5.7)
+    assert np.mean(edge_variances_px2(edge)) ** 0.5 == pytest.approx(sigma_px, rel=0.08)
+    (found,) = LensBlur.estimate_from([edge])
+    assert found.is_seen(0.0)
