@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, Tag, model_validator
 
-from tacos_framework import Scenario, Settings, also_called, setting
+from tacos_framework import Lens, Projection, Scenario, Settings, also_called, setting
 from tacos_gap.captures.entry_forms import told_apart
 
 Kind = Literal["dark", "flat", "bracket", "edge", "board", "chart", "scene", "sequence"]
@@ -75,6 +75,12 @@ class CaptureCamera(Settings):
         help="Principal point in the files; from the boards if absent, else their centre (or the sensor's).",
         unit="px",
     )
+    projection: Projection = setting(
+        "rectilinear", help="Projection of the lens as it is believed; effects on boards come on top of it."
+    )
+    lens_coefficients: tuple[Place, ...] = setting(
+        (), help="Its coefficients in OpenCV's order: k1 to k4 of a fisheye, k1, k2, p1, p2, k3 else."
+    )
     lens_is_a_start: bool = setting(
         False,
         help="Take focal length and principal point as first guesses, which boards replace.",
@@ -103,6 +109,7 @@ class CaptureCamera(Settings):
                 f"black_level_dn is {self.black_level_dn:g}, which is not below the white level of "
                 f"{self.white:g} DN ({origin})"
             )
+        Lens(self.projection, self.lens_coefficients)
         if self.cfa is not None and self.channels != 1:
             raise ValueError(f"cfa is {self.cfa}, and a mosaic has 1 channel, not {self.channels}")
         return self

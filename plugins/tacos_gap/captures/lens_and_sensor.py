@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tacos_framework import ImageGeometry
+from tacos_framework import ImageGeometry, Lens
 from tacos_gap.captures.entries import CaptureCamera, CaptureEntry, CropEntry
 
 FOCAL_LENGTH_MM = 4.0
@@ -74,4 +74,5 @@ def geometry_of(camera: CaptureCamera, entry: CaptureEntry | None) -> ImageGeome
         offset_px=(crop.x, crop.y),
         full_width_px=crop.full_width_px,
         full_height_px=crop.full_height_px,
+        lens=Lens(camera.projection, camera.lens_coefficients),
     )

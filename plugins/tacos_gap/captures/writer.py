@@ -186,6 +186,8 @@ def _shared_by_all(capture: RealCapture) -> dict[str, Any]:
         "focal_length_mm": (
             None if "focal_length" in capture.unstated else geometry.focal_length_px * geometry.pixel_um / 1e3
         ),
+        "projection": None if geometry.lens.is_rectilinear else geometry.lens.projection,
+        "lens_coefficients": [*geometry.lens.coefficients] or None,
         "f_number": context.f_number,
         "bit_depth": bits,
         "white_level_dn": None if white == 2**bits - 1 else white,

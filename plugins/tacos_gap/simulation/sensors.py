@@ -118,6 +118,7 @@ def camera_of(capture: RealCapture) -> Camera:
         focal_length_mm=geometry.focal_length_px * geometry.pixel_um * 1e-3,
         binning=geometry.binning,
         principal_point_px=geometry.centre_px,
+        lens=geometry.lens,
     )
 
 

@@ -66,8 +66,8 @@ def calibrated(
         OpenCV's fisheye model in place of Brown and Conrady's.
     """
     boards = _Boards.of(captures)
-    if boards is None:
-        return None
+    if boards is None or not all(capture.geometry.lens.is_pinhole for capture in captures):
+        return None  # a lens that is known is no start for OpenCV's, which begin at a pinhole
     starts = _FOCAL_STARTS if "focal_length" in free else (1.0,)
     solve = _fisheye if fisheye else _brown
     found = [each for start in starts if (each := solve(boards, boards.focal_px * start, terms, free))]

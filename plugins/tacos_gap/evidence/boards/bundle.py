@@ -7,7 +7,7 @@ one difference: the lens is not fitted but given, as a hypothesis' effects. Pose
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from tacos_framework import ImageGeometry
 from tacos_framework.formation import PlacedEffect
 from tacos_gap.captures.capture import Board
+from tacos_gap.evidence.boards.imaged import imaged
 from tacos_gap.evidence.boards.paper import FEWEST_VIEWS, MOST, deformations
 from tacos_gap.evidence.boards.pose import Pose, first_pose, moved_pose
 from tacos_gap.evidence.boards.tracing import moving, traced
@@ -233,7 +234,7 @@ class Bundle:
     def _projected(
         self, i: int, pose: Pose, shared: Array, *, derivatives: bool = True
     ) -> tuple[Array, Array, Array]:
-        """Where a pinhole sees the points of a view, (K, 2) [px], and how that moves.
+        """Where the believed lens sees the points of a view, (K, 2) [px], and how that moves.
 
         With its pose, (2K, 6), and with what is shared, (2K, S), all x before all y.
         """
@@ -247,26 +248,24 @@ class Bundle:
         lens = dict(zip(self._lens, shared[self._starts[-1] :], strict=True))
         f = view.geometry.focal_length_px * float(np.exp(lens.get("focal_length", 0.0)))
         turned = points @ pose.rotation.T
-        x, y, z = (turned + pose.shift_mm).T
-        z = np.where(np.abs(z) < 1e-6, 1e-6, z)
-        centre = np.add(view.geometry.centre_px, (lens.get("centre_x", 0.0), lens.get("centre_y", 0.0)))
-        places = f * np.column_stack([x / z, y / z]) + centre
+        x, y = np.add(view.geometry.centre_px, (lens.get("centre_x", 0.0), lens.get("centre_y", 0.0)))
+        seen_by = replace(view.geometry, focal_length_px=f, centre_px=(float(x), float(y)))
+        places, by_point = imaged(turned + pose.shift_mm, seen_by, derivatives=derivatives)
         if not derivatives:
             return places, np.zeros((0, 6)), np.zeros((0, 0))
-        none = np.zeros_like(z)
-        by_point = np.stack([[f / z, none, -f * x / z**2], [none, f / z, -f * y / z**2]]).transpose(0, 2, 1)
         a, b, c = turned.T
+        none = np.zeros_like(a)
         turning = np.stack([[none, c, -b], [-c, none, a], [b, -a, none]]).transpose(2, 1, 0)  # (K, axis, xyz)
         by_pose = np.concatenate([np.einsum("iks,kps->ikp", by_point, turning), by_point], axis=2)
         by_shared = np.zeros((2, len(points), len(shared)))
         if own.stop > own.start:
             by_shared[:, :, own] = np.einsum("iks,pks->ikp", by_point, bends @ pose.rotation.T)
         for k, name in enumerate(self._lens, start=int(self._starts[-1])):
-            moves = {"focal_length": (f * x / z, f * y / z), "centre_x": (1.0, 0.0), "centre_y": (0.0, 1.0)}[
-                name
-            ]
+            from_centre = (places - seen_by.centre_px).T  # every projection is as large as its focal length
+            moves: Any = {"focal_length": from_centre, "centre_x": (1.0, 0.0), "centre_y": (0.0, 1.0)}[name]
             by_shared[0, :, k], by_shared[1, :, k] = moves
-        return places, by_pose.reshape(2 * len(z), 6), by_shared.reshape(2 * len(z), len(shared))
+        count = 2 * len(points)
+        return places, by_pose.reshape(count, 6), by_shared.reshape(count, len(shared))
 
 
 _LENS_PRIOR = {"focal_length": 1e-4, "centre_x": 1e-8, "centre_y": 1e-8}

@@ -9,8 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import ImageGeometry
+from tacos_framework.camera import rays_of_pixels
 
 Array = NDArray[np.float64]
+
+LEAST_AHEAD = 0.1
+"""Corners further off the middle of a board than 84 degrees are taken to lie there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,12 +34,32 @@ class Pose:
 
 
 def first_pose(points_mm: Array, places_px: Array, geometry: ImageGeometry) -> Pose:
-    """The pose of a flat board that a pinhole sees at places, by its homography and then least squares.
+    """The pose of a flat board that is seen at places, by its homography and then least squares.
 
-    Where there is none, as for places on a line, the board faces the camera, at the distance of its size.
+    Where there is none, as for places on a line, the board faces the camera, at the distance of its size. A
+    lens may image the board beside the camera, so it is sought by a camera turned towards it.
     """
-    f, centre = geometry.focal_length_px, np.array(geometry.centre_px)
-    tangents = np.ascontiguousarray((places_px - centre) / f)
+    if geometry.lens.is_pinhole:
+        tangents = np.ascontiguousarray((places_px - np.array(geometry.centre_px)) / geometry.focal_length_px)
+        return _ahead(points_mm, tangents)
+    rays = rays_of_pixels(places_px, geometry)
+    turned = _turned_to(np.nanmean(rays, axis=0))
+    seen = np.nan_to_num(rays) @ turned.T
+    found = _ahead(points_mm, np.ascontiguousarray(seen[:, :2] / np.maximum(seen[:, 2:], LEAST_AHEAD)))
+    return Pose(turned.T @ found.rotation, turned.T @ found.shift_mm)
+
+
+def _turned_to(ray: Array) -> Array:
+    """(3, 3) rotation to the frame of a camera that looks along a ray."""
+    ray = ray / np.linalg.norm(ray)
+    axis = np.cross(ray, [0.0, 0.0, 1.0])
+    sine = float(np.linalg.norm(axis))
+    angle = np.arctan2(sine, ray[2])
+    return np.asarray(cv2.Rodrigues(axis / max(sine, 1e-12) * angle)[0], np.float64)
+
+
+def _ahead(points_mm: Array, tangents: Array) -> Pose:
+    """The pose of a board that a pinhole sees at tangents."""
     try:
         found, turn, shift = cv2.solvePnP(points_mm, tangents, np.eye(3), None, flags=cv2.SOLVEPNP_ITERATIVE)
     except cv2.error:  # a hypothesis may put all places on a line or a point
