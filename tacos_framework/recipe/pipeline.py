@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator
 
 from tacos_framework.errors import UserError
 from tacos_framework.packaged_resources import find_file, shipped_folder
 from tacos_framework.settings.yaml_reader import read_yaml
-
-Pipeline = dict[str, dict[str, Any]]
-"""Effects without their kind, each with its settings: ``{"jpeg": {"quality": 90}}``."""
 
 
 def written_out(given: Any) -> Any:
@@ -35,3 +34,7 @@ def _named(name: str) -> Any:
         (fault,) = error.faults
         raise ValueError(f"{fault.what}; {fault.remedy or fault.expected}") from error
     return read_yaml(file).data
+
+
+Pipeline = Annotated[dict[str, dict[str, Any]], BeforeValidator(written_out)]
+"""Effects without their kind, each with its settings: ``{"jpeg": {"quality": 90}}``."""

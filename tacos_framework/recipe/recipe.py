@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, Literal
 
-from pydantic import ConfigDict, PrivateAttr, field_validator, model_validator
+from pydantic import ConfigDict, PrivateAttr, model_validator
 
 from tacos_framework.recipe.effect_names import effect_names
 from tacos_framework.recipe.notes import quoting
-from tacos_framework.recipe.pipeline import Pipeline, written_out
+from tacos_framework.recipe.pipeline import Pipeline
 from tacos_framework.recipe.sections import (
     Aim,
     Bounds,
@@ -102,11 +102,6 @@ class Recipe(Written, Settings):
     def scenarios(self) -> tuple[Scenario, ...]:
         """The scenarios each candidate is scored in; more than one of them have names and weights."""
         return (self.scenario,) if isinstance(self.scenario, Scenario) else self.scenario
-
-    @field_validator("pipeline", mode="before")
-    @classmethod
-    def _pipeline_is_written_out(cls, given: Any) -> Any:
-        return written_out(given)
 
     @property
     def all_effects(self) -> tuple[EffectUse, ...]:

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from tacos_framework.errors import UserError
+from tacos_framework.packaged_resources import shipped_folder
 from tacos_framework.plan import make_plan
 from tacos_framework.plugins import Plugins
-from tacos_framework.recipe import Recipe
+from tacos_framework.recipe import Recipe, parse_recipe
 from tacos_framework.simulation import EpisodeSpec, Simulation
 from tests.two_boxes import SENSOR, monocular_recipe, plugins_with_boxes
 
@@ -85,9 +86,13 @@ def test_what_acts_before_there_are_files_is_refused(plugins: Plugins) -> None:
     assert "Put it under effects:" in found
 
 
-def test_a_name_that_is_not_shipped_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"no pipeline of this name is shipped.*coded"):
-        monocular_recipe(pipeline="codes")
+def test_yaml_may_name_a_pipeline_and_is_told_of_names_that_are_not_shipped() -> None:
+    text = (shipped_folder("recipes") / "stereo_quick.yaml").read_text()
+    recipe, faults = parse_recipe(text)
+    assert not faults
+    assert recipe.pipeline == monocular_recipe(pipeline="coded").pipeline
+    _, (fault,) = parse_recipe(text.replace("pipeline: coded", "pipeline: codes"))
+    assert "no pipeline of this name is shipped" in str(fault)
 
 
 def test_a_task_that_wants_linear_files_is_not_given_coded_ones(plugins: Plugins) -> None:
