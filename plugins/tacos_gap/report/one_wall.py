@@ -28,16 +28,14 @@ def of_one_wall(diagnosis: Diagnosis, captures: Sequence[RealCapture]) -> list[s
         return []
     names = listed([effect_words(name) for name in sorted(named & _SHADING)])
     return [
-        f"{names[:1].upper()}{names[1:]}: walls taken one way up cannot tell the lens from the lamp. Take the "
-        f"wall again with the camera turned by 90 degrees: what turns with it is the lens."
+        f"{names[:1].upper()}{names[1:]}: walls taken one way up cannot tell the lens from the lamp. Take "
+        f"the wall again with the camera turned by 90 degrees: what turns with it is the lens."
     ]
 
 
 def _shading(capture: RealCapture) -> NDArray[np.float64]:
     """(6, 8) level of large parts of a wall over their mean, above the pedestal."""
     above = capture.real_dn.mean(axis=(0, 3)) - np.float32(capture.context.black_level_dn)
-    rows, columns = (
-        np.array_split(np.arange(size), parts) for size, parts in zip(above.shape, (6, 8), strict=True)
-    )
+    rows, columns = np.array_split(np.arange(above.shape[0]), 6), np.array_split(np.arange(above.shape[1]), 8)
     parts = np.array([[np.median(above[np.ix_(r, c)]) for c in columns] for r in rows], np.float64)
     return parts / max(float(parts.mean()), 1e-6)

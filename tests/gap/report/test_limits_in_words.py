@@ -82,7 +82,7 @@ def test_no_limit_of_the_catalogue_is_a_bare_number():
 
 def test_one_wall_cannot_tell_the_lens_from_the_lamp_and_a_turned_one_can():
     wall = taken([capture("flat", "flat", 100.0)])[0]
-    height, width = wall.valid.shape
+    width = wall.valid.shape[1]
     slope = 1 + 0.1 * np.linspace(-1, 1, width)[None, None, :, None]
     found: Any = SimpleNamespace(causes=[SimpleNamespace(effect="vignetting")], cause_set=("vignetting",))
     lit = replace(wall, real_dn=(wall.real_dn * slope).astype(np.float32))
