@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -33,6 +33,7 @@ from tacos_gap.answer.transfer import Photographed, patch, patched
 from tacos_gap.answer.undiagnosed import NothingMeasured, undiagnosed_data
 from tacos_gap.attribution import SIMULATIONS
 from tacos_gap.captures import read_captures
+from tacos_gap.captures.processing import traces_of_processing
 from tacos_gap.hypotheses.candidates import candidates
 from tacos_gap.inference.problem import placed
 from tacos_gap.procedures.checks import check_all, check_captures
@@ -150,11 +151,13 @@ class Diagnose:
         progress.phase("Scoring tasks", None)
         scored = score_tasks(folder.captures, lambda capture: placed(causes, capture.id), tasks, seed)
         scores = {name: score.as_data() for name, score in task_gap(scored).items()}
-        limits = (*diagnosis.limitations, *of_one_wall(diagnosis, folder.captures), *scored.left_out)
+        processed = traces_of_processing(folder.captures)
+        said = [*of_one_wall(diagnosis, folder.captures), *_of_processed_files(diagnosis, processed)]
+        limits = (*diagnosis.limitations, *said, *scored.left_out)
         diagnosis = replace(diagnosis, task=scores, limitations=limits)
         progress.step(", ".join(scores) or "no captures they could be scored on")
         shown = limits_in_words(diagnosis.detectable, considered.effects, folder.captures[0].geometry)
-        data = {**diagnosis.as_data(), "detectable_in_words": shown}
+        data = {**diagnosis.as_data(), "detectable_in_words": shown, "processed": processed}
         added = patched(diagnosis.causes, Photographed.of(folder.captures))
         _write(out, data, added)
         decision: dict[str, Any] = {}
@@ -164,7 +167,7 @@ class Diagnose:
             except (ContextMissing, KeepsFailing) as missing:
                 why = f"{question.study} cannot be run with the causes: {missing}."
                 diagnosis = replace(diagnosis, limitations=(*diagnosis.limitations, why))
-            data = {**diagnosis.as_data(), "detectable_in_words": shown, "decision": decision}
+            data = {**data, "limitations": list(diagnosis.limitations), "decision": decision}
             _write(out, data, added)
         progress.phase("Drawing the report", None)
         run = Circumstances(
@@ -177,7 +180,7 @@ class Diagnose:
             considered=considered.effects,
         )
         write_page(out / "report.html", page(diagnosis, folder, run))
-        return {"diagnosis": data, "summary": summary(diagnosis, decision, shown)}
+        return {"diagnosis": data, "summary": summary(diagnosis, decision, shown, processed)}
 
     def _question(self) -> Question | None:
         """The study to decide on."""
@@ -228,19 +231,35 @@ def _valued(name: str, parameter: Parameter) -> str:
     return f"{name} {parameter.value}{unit}" + (f" ({found.value:g} {found.unit})" if found else "")
 
 
+def _of_processed_files(diagnosis: Diagnosis, traces: Sequence[str]) -> list[str]:
+    """That files are processed, where something remains: makers do what no family of effects here fits."""
+    if not traces or diagnosis.verdict not in ("unknown", "partly_explained"):
+        return []
+    return [f"These are processed files; {'; '.join(traces)}. That is the likeliest cause of what remains."]
+
+
 def summary(
     diagnosis: Diagnosis,
     decision: Mapping[str, Any] | None = None,
     shown_from: Mapping[str, str] | None = None,
+    processed: Sequence[str] = (),
 ) -> str:
-    """What was found, in a few lines; where there is no gap, also what would have shown, by effect."""
+    """What was found, in a few lines.
+
+    Parameters
+    ----------
+    shown_from
+        What would have shown, by effect, for a diagnosis without a gap.
+    processed
+        Traces of a camera's software in the files.
+    """
     said = {
         "no_gap": "No gap: the captures differ from the simulation by no more than its own noise.",
         "explained": "Explained.",
         "partly_explained": "Partly explained: something outside the catalogue of effects remains.",
         "unknown": "Unknown: the cause lies outside the catalogue of effects.",
     }
-    lines = [said[diagnosis.verdict]]
+    lines = [said[diagnosis.verdict], *_of_processed_files(diagnosis, processed)]
     for cause in diagnosis.causes:
         values = ", ".join(_valued(name, p) for name, p in cause.parameters.items())
         low, high = cause.closure_interval
