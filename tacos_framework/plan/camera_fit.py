@@ -17,6 +17,10 @@ _FITTING_CAMERA = {
         "a camera of which it knows enough",
         "Give the missing figures as settings of the node, or choose from a catalog that knows.",
     ),
+    "effect": (
+        "cameras of which it knows enough",
+        "Set what is missing in the effect, choose from a catalog that knows, or give unknown: assume.",
+    ),
     "task": ("cameras it can judge", "Choose another rig, or other values of its variables."),
 }
 """Kind of a node that takes no camera -> what it expects, what to do."""
@@ -28,11 +32,12 @@ def check_cameras_fit(
     fixed: Mapping[str, Any],
     space: DesignSpace,
     nodes: Mapping[str, ConfiguredComponent],
+    effects: Mapping[str, ConfiguredComponent],
 ) -> None:
-    """Ask sensors and tasks that do not take every camera whether they take any that can be chosen."""
+    """Ask whoever does not take every camera whether it takes any that can be chosen."""
     asking = {
         name: part
-        for name, part in nodes.items()
+        for name, part in {**nodes, **{f"effects.{name}": part for name, part in effects.items()}}.items()
         if callable(optional(part.cls, SensorBase, "lacks"))
         and not any(variable.name.startswith(f"{name}.") for variable in space.variables)
     }
@@ -40,12 +45,12 @@ def check_cameras_fit(
         return
     rigs = _choosable_rigs(findings.recipe, rig, fixed, space)
     for name, part in asking.items():
-        with part.calling(f"lacks in node {name!r}"):
+        with part.calling(f"lacks of {name!r}"):
             reasons = [part.instance.lacks(each) for each in rigs]
         wanted, remedy = _FITTING_CAMERA.get(part.use.partition(".")[0], _FITTING_CAMERA["task"])
         if reasons and all(reasons):
             findings.add(
-                ("nodes", name),
+                ("nodes", name) if name in nodes else ("effects",),
                 min(map(str, reasons), key=len),  # of the camera that lacks least
                 f"{wanted}; of {len(reasons)} tried there is none",
                 remedy,

@@ -68,7 +68,7 @@ def find_space(
     if not findings.faults:
         check_camera_names(findings, rig, fixed, space, nodes, effects)
     if not findings.faults:
-        check_cameras_fit(findings, rig, fixed, space, nodes)
+        check_cameras_fit(findings, rig, fixed, space, nodes, effects)
     return space
 
 

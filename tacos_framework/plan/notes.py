@@ -149,9 +149,9 @@ def notes_on_camera(plan: Plan, values: Mapping[str, Any]) -> Iterator[str]:
 
 
 def notes_on_noise(plan: Plan, cameras: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Sentences on where the noise of cameras comes from, as the sensor models say."""
-    sensors_by_origin: dict[str, list[str]] = {}
-    for name, part in plan.nodes.items():
+    """Sentences on where noise, and what effects assume of cameras, come from, as their components say."""
+    sensors_by_origin: dict[tuple[str, str], list[str]] = {}
+    for name, part in {**plan.nodes, **{f"effects.{each.name}": each for each in plan.effects}}.items():
         if not callable(optional(part.cls, SensorBase, "origins")):
             continue
         for values in cameras:
@@ -159,11 +159,12 @@ def notes_on_noise(plan: Plan, cameras: Sequence[Mapping[str, Any]]) -> Iterator
                 continue  # its settings are designed: the plan holds no model of this camera
             try:
                 for sensor, phrase in _origins(plan, name, part, values):
-                    sensors_by_origin.setdefault(phrase, []).append(sensor)
+                    simulated = "Noise" if name in plan.nodes else part.use
+                    sensors_by_origin.setdefault((simulated, phrase), []).append(sensor)
             except Exception as error:  # noqa: BLE001 - a remark must not cost a study its results
-                yield f"{part.origin} has remarks on noise, but fails to say them: {error}"
-    for phrase, sensors in sensors_by_origin.items():
-        yield f"Noise simulated for {', '.join(dict.fromkeys(sensors))}: {phrase}."
+                yield f"{part.origin} has remarks on cameras, but fails to say them: {error}"
+    for (simulated, phrase), sensors in sensors_by_origin.items():
+        yield f"{simulated} simulated for {', '.join(dict.fromkeys(sensors))}: {phrase}."
 
 
 def _origins(
@@ -174,8 +175,10 @@ def _origins(
     with plan.rig.calling("build"):
         rig = plan.rig.instance.build(variables)
     for camera in rig.cameras:
-        with part.calling(f"origins in node {node!r}"):
+        with part.calling(f"origins of {node!r}"):
             origins = dict(part.instance.origins(camera))
+        if not origins:
+            continue
         phrases = (f"{figure} {_phrase(origin)}" for figure, origin in origins.items())
         yield camera.electrons.sensor or "a sensor without a name", "; ".join(phrases)
 

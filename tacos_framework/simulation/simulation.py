@@ -9,11 +9,12 @@ from typing import Any
 from pydantic import ValidationError
 
 from tacos_framework.cache import LRUCache, content_key
-from tacos_framework.contracts import EpisodeStore, Scores, SensorBase, State, optional
+from tacos_framework.contracts import EffectBase, EpisodeStore, Scores, SensorBase, State, optional
 from tacos_framework.errors import CandidateFailed, UserError
 from tacos_framework.formation import ImageFormation, PlacedControl, PlacedEffect, PlacedSensor
 from tacos_framework.plan import EXPOSURE, REFUSED, ConfiguredComponent, EffectPart, Plan
 from tacos_framework.plugins import culprit_of
+from tacos_framework.plugins.guarded import calling
 from tacos_framework.randomness import generator
 from tacos_framework.recipe import NamedScenario
 from tacos_framework.settings import Settings
@@ -144,6 +145,12 @@ class Simulation:
                 ]
             if reason := next(filter(None, reasons), None):
                 raise CandidateFailed(reason)
+        for effect in context.formation.effects:
+            if callable(optional(effect.cls, EffectBase, "lacks")):
+                with calling(effect.use, doing="lacks"):
+                    reason = effect.cls(effect.config).lacks(context.rig)
+                if reason:
+                    raise CandidateFailed(reason)
         images = 0
         states = dict(states)
         if training is not None:

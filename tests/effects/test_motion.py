@@ -16,12 +16,14 @@ from tacos_framework.testing.samples import sample_world
 from tacos_framework.values import (
     Camera,
     Capture,
+    Electrons,
     Episode,
     Exposure,
     ImageContext,
     ImageGeometry,
     Mover,
     Object,
+    Rig,
     Trajectory,
 )
 from tacos_plugins.effects.motion import Motion
@@ -191,3 +193,19 @@ def test_the_whole_image_moves_with_a_known_velocity():
         np.mean([signal[0, :, 10 + k : 30 + k, 0] for k in range(-2, 3)], axis=0),
         atol=0.03,
     )
+
+
+def test_it_says_what_it_assumes_of_a_shutter():
+    effect, strict = (Motion(Motion.Config(unknown=unknown)) for unknown in ("assume", "refuse"))
+    named = {"electrons": Electrons("IMX"), "agent_from_camera": np.eye(4)}
+    unknown, rolling, known = (
+        camera(shutter=shutter, row_time_us=row_time_us, **named)
+        for shutter, row_time_us in ((None, None), ("rolling", None), ("rolling", 20.0))
+    )
+    assert effect.origins(unknown) == {"shutter": "taken as global, as nobody states it"}
+    assert "assumed to be 15 us a row" in effect.origins(rolling)["line time"]
+    assert effect.origins(known)["line time"] == "20 us a row, as the catalog states"
+    assert strict.lacks(Rig((unknown,))) == "the shutter of IMX is unknown"
+    assert strict.lacks(Rig((rolling,))) == "the line time of IMX is unknown"
+    assert strict.lacks(Rig((known,))) is None
+    assert effect.lacks(Rig((unknown,))) is None
