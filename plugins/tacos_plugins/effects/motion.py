@@ -18,8 +18,8 @@ _NOWHERE_PX = 1e-3
 """Who moves less stands still [px]."""
 
 TYPICAL_ROW_TIME_US = 15.0
-"""Median over the 26 rolling-shutter sensors of robots, phones and cars whose line time follows from a
-driver's registers (Linux 6.6 and Raspberry Pi kernels), at full resolution; 4.9 to 52 us [us]."""
+"""Median over 24 rolling-shutter sensors of robots, phones and cars whose line time follows from the
+registers that Linux drivers write, at full resolution; 4.9 to 52 us [us]."""
 
 
 class Motion:
