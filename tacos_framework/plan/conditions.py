@@ -46,25 +46,30 @@ def _effect_words(use: str, settings: Mapping[str, Any]) -> str:
 
 def _noise_words(plan: Plan) -> Iterator[str]:
     """Of each sensor model that says where its figures come from: of how many parts they are assumed."""
+    middle = plan.space.decode([(gene.lower + gene.upper) / 2 for gene in plan.space.genes]).as_dict()
     for node in plan.nodes.values():
         if not callable(optional(node.cls, SensorBase, "origins")):
             continue
+        counts = ""
         for variable in plan.space.variables:
             if isinstance(variable, CatalogChoice):
-                assumed = sum(_is_assumed(plan, node.instance, variable, row) for row in variable.rows)
-                parts = f"{assumed} of {len(variable.rows)} parts"
-                yield f"; noise by {node.use}, with figures assumed for {parts}"
+                told = (
+                    _is_assumed(plan, node.instance, {**middle, variable.name: row.as_dict()}, row.name)
+                    for row in variable.rows
+                )
+                known = [assumed for assumed in told if assumed is not None]
+                if known:
+                    counts = f", with figures assumed for {sum(known)} of {len(known)} parts"
+        yield f"; noise by {node.use}{counts}"
 
 
-def _is_assumed(plan: Plan, sensor: Any, variable: CatalogChoice, part: Any) -> bool:
-    """Whether a figure of the noise of a part is not its own; parts that make no camera have none."""
-    middle = plan.space.decode([(gene.lower + gene.upper) / 2 for gene in plan.space.genes]).as_dict()
-    values = {**middle, variable.name: part.as_dict()}
+def _is_assumed(plan: Plan, sensor: Any, values: Mapping[str, Any], part: str) -> bool | None:
+    """Whether a figure of the noise of a part is not its own; None where it is no camera's image sensor."""
     if derived_of(plan, values) is None:
-        return False
+        return None
     try:
         rig = plan.rig.instance.build(plan.rig_variables(values))
-        origins = [sensor.origins(camera) for camera in rig.cameras]
+        origins = [sensor.origins(each) for each in rig.cameras if each.electrons.sensor == part]
     except Exception:  # noqa: BLE001 - a remark must not cost a study its results
-        return False
-    return any(origin not in STATED for each in origins for origin in each.values())
+        return None
+    return any(origin not in STATED for each in origins for origin in each.values()) if origins else None

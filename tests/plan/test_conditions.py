@@ -23,6 +23,7 @@ def test_light_exposure_effects_and_noise_are_said(plugins):
             {
                 "nodes.frames": {"use": "sensor.camera", "in": {"capture": "capture"}},
                 "effects": [{"use": "effect.motion-blur", "speed_deg_s": 60}],
+                "scenario": {"illumination_lux": 20, "exposure_ms": 30, "f_number": 2, "gain_db": 5},
             },
         ),
         plugins,
@@ -34,12 +35,19 @@ def test_light_exposure_effects_and_noise_are_said(plugins):
 
 def test_what_is_designed_and_controlled_is_said(plugins):
     plan = make_plan(
-        load_recipe("headset_quick", {"design.scenario.exposure_ms": {"between": [1, 30]}}), plugins
+        load_recipe("headset_quick", {"design.scenario.exposure_ms": {"between": [1, 30]}, "effects": []}),
+        plugins,
     )
     assert "20 lux, exposure_ms as designed, f/2" in conditions(plan)
-    assert "no effects beyond noise" in conditions(plan)
+    assert "effects of the camera: demosaic" in conditions(plan)  # what its pipeline does
     controlled = make_plan(load_recipe("headset_exposure"), plugins)
     assert "from which control.mean-level sets time and gain" in conditions(controlled)
+
+
+def test_only_catalogs_of_image_sensors_count(plugins):
+    said = conditions(make_plan(load_recipe("headset_lens"), plugins))
+    assert said.count("figures assumed for") == 1
+    assert "parts" not in conditions(make_plan(load_recipe("stereo_quick"), plugins))
 
 
 @pytest.mark.parametrize(
