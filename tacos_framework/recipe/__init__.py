@@ -4,6 +4,7 @@
 ``sections``      the sections of a study's recipe
 ``recipe``        the whole of it, and what holds between sections
 ``parsing``       reading it, with all faults
+``pipeline``      how a camera processes its files: effects, written out or by a name
 ``procedure``     a recipe that is no study
 ``written``       where the keys of a recipe stand in its text
 ``loading``       finding recipes by path or name
