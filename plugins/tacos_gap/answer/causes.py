@@ -24,7 +24,7 @@ from tacos_gap.inference.fit import Fitted
 from tacos_gap.inference.intervals import half_widths
 from tacos_gap.inference.presence import BY_PICTURES, BY_STATISTICS, share_explained
 from tacos_gap.inference.problem import Hypothesis, Problem, without
-from tacos_gap.inference.unknown import Unexplained
+from tacos_gap.inference.unknown import Unexplained, doubt_beside
 from tacos_gap.statistics.views import view_of
 
 CONFIDENCE = 0.9
@@ -77,7 +77,8 @@ def causes_of(
         rest = problem.residual(without(best.hypothesis, term.name))
         share = 0.0 if rest is None else share_explained(problem, best.z, rest)
         near = [name for name in rivals if probabilities[name] > 0.05]
-        sure = max(BY_STATISTICS.by(share), 1 - left.score)
+        doubt = left.score if rest is None else max(left.score, doubt_beside(problem, best.z, rest))
+        sure = max(BY_STATISTICS.by(share), 1 - doubt)
         if sure < 1 and certainty > LEAST_CERTAIN:
             rivals_of_it = _in_place_of(attribution, term)
             in_pictures = share_of_pictures(problem, best.hypothesis, term, rivals_of_it, seed)

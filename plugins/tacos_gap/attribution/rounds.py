@@ -12,7 +12,13 @@ from tacos_framework import FILE_STAGES
 from tacos_gap.attribution.fits import Fits
 from tacos_gap.attribution.needed import is_plainly_needed
 from tacos_gap.attribution.pairs import best_pair
-from tacos_gap.attribution.selection_rule import COMPLEXITY_PENALTY, is_worth_it, least_gain, shows
+from tacos_gap.attribution.selection_rule import (
+    COMPLEXITY_PENALTY,
+    fits_a_bit,
+    is_worth_it,
+    least_gain,
+    shows,
+)
 from tacos_gap.attribution.shortlist import shortlist
 from tacos_gap.evidence import ReplicateResiduals
 from tacos_gap.hypotheses.parameters import HypothesisTerm
@@ -125,7 +131,8 @@ class Rounds:
                 best = first
                 self.notify(" + ".join(best.names))
                 continue
-            better = None if frozenset(best.names) in seen else self._extended(best)
+            is_new = frozenset(best.names) not in seen
+            better = self._extended(best, is_rest=left.score == 0.0) if is_new else None
             if better is None:
                 return best, left
             seen.add(frozenset(best.names))
@@ -183,8 +190,16 @@ class Rounds:
 
     # rounds -----------------------------------------------------------------------------------------------
 
-    def _extended(self, base: Fitted, among: Collection[str] | None = None) -> Fitted | None:
-        """The best explanation with one more effect, or two; None when none is worth its penalty."""
+    def _extended(
+        self, base: Fitted, among: Collection[str] | None = None, *, is_rest: bool = False
+    ) -> Fitted | None:
+        """The best explanation with one more effect, or two; None when none is worth its penalty.
+
+        Parameters
+        ----------
+        is_rest
+            Whether the base leaves so little that nothing is unknown: then effects must prove themselves.
+        """
         least = SCREENING_FRACTION * COMPLEXITY_PENALTY
         guesses = self.shortlisted(base, self.free(base, among), least)
         tried = self.fits.compared([(*base.hypothesis, guess) for guess in guesses], near=base)
@@ -192,9 +207,13 @@ class Rounds:
         if not tried:
             return None
         best = max(tried, key=lambda fitted: fitted.score)
-        if (two := self._two_at_once(base, best, among)) is not None:
+        two = self._two_at_once(base, best, among)
+        if two is not None and not (is_rest and fits_a_bit(self.problem, base, two)):
             return two
-        if not is_worth_it(self.problem, base, best):
+        if is_rest:
+            tried = [fitted for fitted in tried if not fits_a_bit(self.problem, base, fitted)]
+            best = max(tried, key=lambda fitted: fitted.score, default=base)
+        if best is base or not is_worth_it(self.problem, base, best):
             return None
         guesses = all_initial_guesses(self.directions[best.names[-1]])
         return self.fits.keep(in_its_best_form(self.problem, best, guesses, COMPLEXITY_PENALTY / 3))

@@ -8,9 +8,10 @@ import numpy as np
 
 from tacos_gap.attribution.fits import CLOSE
 from tacos_gap.inference.fit import Fitted
+from tacos_gap.inference.presence import BY_STATISTICS, share_explained
 from tacos_gap.inference.problem import Problem, robust
 from tacos_gap.inference.rivals import discrepancy, gain_beyond
-from tacos_gap.inference.unknown import block_index
+from tacos_gap.inference.unknown import block_index, doubt_beside
 
 COMPLEXITY_PENALTY = 6.0
 """Complexity penalty: what an effect must gain in log score on held-out conditions [nat]."""
@@ -39,6 +40,15 @@ def shows(problem: Problem, base: Fitted, fitted: Fitted) -> bool:
     blocks = block_index(problem)
     change = np.bincount(blocks, (robust(fitted.z) - robust(base.z)) ** 2) / np.bincount(blocks)
     return bool(change.max() >= LEAST_CHANGE)
+
+
+def fits_a_bit(problem: Problem, base: Fitted, fitted: Fitted) -> bool:
+    """Whether further effects prove nothing, and leave much of what they were added for.
+
+    What formulas miss of a large effect is far above the noise floor, and more of them fit a bit of it each.
+    """
+    proven = BY_STATISTICS.by(share_explained(problem, fitted.z, base.z))
+    return not proven and doubt_beside(problem, fitted.z, base.z) == 1.0
 
 
 def is_worth_it(problem: Problem, base: Fitted, fitted: Fitted) -> bool:

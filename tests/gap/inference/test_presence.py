@@ -8,7 +8,7 @@ import pytest
 from tacos_gap.evidence import Label, ReplicateResiduals
 from tacos_gap.inference.presence import BY_STATISTICS, share_explained
 from tacos_gap.inference.problem import Problem
-from tacos_gap.inference.unknown import unexplained
+from tacos_gap.inference.unknown import doubt_beside, unexplained
 
 
 class Flat:
@@ -114,3 +114,16 @@ def test_two_effects_that_bend_the_same_statistic_prove_each_other_no_rest(probl
     far_off, chosen = in_flats
     without = problem.null + 10.0 * chosen
     assert BY_STATISTICS.by(share_explained(far_off, problem.null, without)) == 1.0
+
+
+def test_an_effect_that_explains_nearly_all_vouches_for_no_other(problem, in_flats):
+    """Saturation took two million squares to a thousand, of which white balance left a third."""
+    far_off, chosen = in_flats
+    far_off.null = problem.null + 500.0 * chosen
+    left, rest = (problem.null + floors * chosen for floors in (6.0, 10.0))
+    in_scenes = np.array([label.kind == "scene" for label in problem.labels])
+    for z in (left, rest):
+        z[in_scenes] = 0.0
+    assert doubt_beside(far_off, left, far_off.null) == 0.0
+    assert doubt_beside(far_off, left, rest) == 1.0
+    assert doubt_beside(far_off, problem.null * ~in_scenes, rest) == 0.0  # what takes the rest away is sure
