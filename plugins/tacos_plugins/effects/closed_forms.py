@@ -212,7 +212,7 @@ def _parts(frames: NDArray[np.floating]) -> Iterator[NDArray[np.floating]]:
 def _smooth(image: NDArray[np.floating]) -> NDArray[np.floating]:
     import cv2
 
-    return np.asarray(cv2.blur(image, (_WINDOW_PX, _WINDOW_PX))).reshape(image.shape)
+    return np.asarray(cv2.blur(image, (_WINDOW_PX, _WINDOW_PX)), image.dtype).reshape(image.shape)
 
 
 def _fine(image: NDArray[np.floating]) -> NDArray[np.floating]:
