@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs the quick headset study into runs/demo, or beside an older demo into a dated folder.
+# Runs the study of a moving headset into runs/demo, or beside an older demo into a dated folder.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -7,5 +7,5 @@ out=runs/demo
 if [ -e "$out" ]; then
     out="runs/demo-$(date +%Y%m%d-%H%M%S)"
 fi
-.venv/bin/tacos-run headset_quick --out "$out" "$@"
+.venv/bin/tacos-run headset_moving --out "$out" "$@"
 printf '\nOpen the report: %s\n' "$PWD/$out/report.html"
