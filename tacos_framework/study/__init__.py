@@ -19,6 +19,7 @@
 ``samples``             frames of the cameras, to look at
 ``analysis``            all that was scored, as a ``record`` for those who analyse it
 ``degenerate``          when no winner may be named
+``score_spread``        how far each score tells cameras apart
 ``outcome``             what came out, as ``result.json`` has it
 ``records``             what lines of the run's folder keep of candidates and generations
 ``journal``             what was evaluated since the last of the ``checkpoints``
