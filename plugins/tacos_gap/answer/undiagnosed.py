@@ -70,11 +70,13 @@ def undiagnosed_data(limitations: Sequence[str]) -> dict[str, Any]:
         "complete": {"score": 0.0, "by_stage": {}, "by_capture": {}},
         "unknown": {"score": 1.0, "where": None},
         "detectable": {},
+        "detectable_in_words": {},
         "closed_forms": [],
         "nuisances": {},
         "next_capture": {"kind": WANTED.kind, "why": WANTED.why},
         "below_floor": [],
         "negative_control": None,
         "task": {},
+        "processed": [],
         "limitations": ["Nothing could be measured in any capture.", *limitations],
     }

@@ -109,10 +109,12 @@ def _noise_power(capture: RealCapture, channel: int) -> float:
     Without it the cells that an edge leaves empty, along itself and beyond what a lens passes, compare noise
     with noise, to a hundredth.
     """
-    noise = capture.noise
-    photon, thermal = noise.photon_dn[channel], noise.thermal_dn2[channel]
-    variance = photon * max(float(mean_signal(capture)[channel]), 0.0) + thermal + ROUNDING_DN2
-    return float(variance / capture.frames)
+    level = mean_signal(capture)
+    photon, thermal = (
+        np.broadcast_to(each, level.shape)[channel]
+        for each in (capture.noise.photon_dn, capture.noise.thermal_dn2)  # one may stand for all channels
+    )
+    return float((photon * max(float(level[channel]), 0.0) + thermal + ROUNDING_DN2) / capture.frames)
 
 
 def _place(index: int) -> dict[str, Any]:
