@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, WithJsonSchema
 
 from tacos_framework.errors import UserError
 from tacos_framework.packaged_resources import find_file, shipped_folder
@@ -36,5 +36,7 @@ def _named(name: str) -> Any:
     return read_yaml(file).data
 
 
-Pipeline = Annotated[dict[str, dict[str, Any]], BeforeValidator(written_out)]
+_SCHEMA = {"anyOf": [{"type": "string"}, {"type": "object", "additionalProperties": {"type": ["object", "string"]}}]}
+
+Pipeline = Annotated[dict[str, dict[str, Any]], BeforeValidator(written_out), WithJsonSchema(_SCHEMA)]
 """Effects without their kind, each with its settings: ``{"jpeg": {"quality": 90}}``."""

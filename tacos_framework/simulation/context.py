@@ -89,10 +89,11 @@ class EvaluationContext:
         return block_of(whole, *spec.block)
 
     def stream(
-        self, scene: str, episode: Episode, draws: EpisodeDraws, tasks: Sequence[str]
+        self, scene: str, episode: Episode, draws: EpisodeDraws, tasks: Sequence[str], *, wanted: bool = True
     ) -> Iterator[Mapping[str, Any]]:
         """Inputs of the tasks in an episode, frame by frame: ``{task: {port: value}}``.
 
+        Frames come in the form that each task wants, or without `wanted` as the cameras deliver them.
         Tasks that want several frames at a time get as many, if they say so (`Task.frames_per_update`). Of an
         episode that is gone on with, the draws remember what came before.
         """
@@ -101,9 +102,11 @@ class EvaluationContext:
             with self.at_work(node.name):
                 return self.output(node, inputs, draws, batch.first_frame)
 
-        wanted = [optional(self.components[task], TaskBase, "frames_per_update") for task in tasks]
-        for inputs in self.plan.graph.stream(scene, episode, max(wanted, default=1), call, tasks):
-            yield {task: self._as_wanted(task, given) for task, given in inputs.items()}
+        at_a_time = [optional(self.components[task], TaskBase, "frames_per_update") for task in tasks]
+        for inputs in self.plan.graph.stream(scene, episode, max(at_a_time, default=1), call, tasks):
+            yield {
+                task: self._as_wanted(task, given) if wanted else given for task, given in inputs.items()
+            }
 
     def _as_wanted(self, task: str, given: Mapping[str, Any]) -> Mapping[str, Any]:
         """What a task is given, its frames in the form it wants."""

@@ -186,16 +186,23 @@ class Simulation:
         return Evaluation(values=values, seconds=clock.seconds)
 
     def batches(
-        self, task: str, values: Mapping[str, Any], spec: EpisodeSpec, port: str | None = None
+        self,
+        task: str,
+        values: Mapping[str, Any],
+        spec: EpisodeSpec,
+        port: str | None = None,
+        *,
+        wanted: bool = False,
     ) -> Iterator[FrameBatch]:
-        """The input of a task for an episode of a candidate, without scoring it.
+        """The frames that reach a task in an episode of a candidate, without scoring them.
 
-        At a port; at its only one where none is named.
+        At a port; at its only one where none is named. As the cameras deliver them, or with `wanted` in the
+        form that the task wants.
         """
         context = self._evaluation_context(values, spec)
         scene = self.plan.graph.scene_of(task)
         episode = context.episode(scene, spec)
-        for inputs in context.stream(scene, episode, context.draws(spec), [task]):
+        for inputs in context.stream(scene, episode, context.draws(spec), [task], wanted=wanted):
             (batch,) = inputs[task].values() if port is None else (inputs[task][port],)
             yield batch
 

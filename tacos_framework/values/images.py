@@ -115,10 +115,11 @@ class FrameBatch:
                 raise ValueError(f"{name} must be {frames} for each of {len(self.images)} cameras, or none")
         frozen = []
         for image, view in zip(self.images, self.capture.views, strict=True):
-            if image.shape[:3] != view.depth_m.shape or image.dtype not in (np.uint8, np.uint16):
+            size = (frames, view.camera.height_px, view.camera.width_px)
+            if image.shape[:3] != size or image.dtype not in (np.uint8, np.uint16):
                 raise ValueError(
                     f"images of camera {view.camera.name!r} are {image.dtype} {image.shape}, "
-                    f"expected uint8 or uint16 {view.depth_m.shape} and channels"
+                    f"expected uint8 or uint16 {size} and channels"
                 )
             image = image.view()
             image.flags.writeable = False

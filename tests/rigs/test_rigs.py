@@ -178,7 +178,9 @@ def test_a_sensor_whose_column_lacks_its_unit_is_refused(column: str, meant: str
 def test_a_sensor_may_come_as_a_catalog_part_whose_other_columns_do_not_matter():
     row = CatalogPart("IMX172", {key: value for key, value in FLEA3.items() if key != "name"})
     _, variables = monocular(sensor=row)
-    assert variables.sensor == SensorPart(name="IMX172", width_px=4000, height_px=3000, pixel_um=1.55)
+    assert variables.sensor == SensorPart(
+        name="IMX172", width_px=4000, height_px=3000, pixel_um=1.55, shutter="rolling"
+    )
 
 
 @given(size_mm=st.floats(0.1, 50), field_deg=st.floats(1, 170))

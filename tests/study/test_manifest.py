@@ -52,14 +52,14 @@ def test_a_changed_plugin_is_refused_and_taken_where_that_is_wanted(toys, tmp_pa
 
 def test_a_part_of_a_catalog_that_has_changed_is_named(toys, tmp_path):
     catalog = tmp_path / "ours.csv"
-    rows = "name,width_px,height_px,pixel_um\nsmall,16,8,100\nlarge,32,16,100\n"
+    rows = "name,width_px,height_px,pixel_um\nsmall,2048,1024,1\nlarge,4096,2048,1\n"
     catalog.write_text(rows)
     data = {
         **FROM_CATALOG,
         "design": {"focal_length_mm": {"between": [1, 20]}, "sensor": {"from": str(catalog)}},
     }
     before = manifest_of_study(make_plan(Recipe.model_validate(data), toys))
-    catalog.write_text(rows.replace("large,32", "large,64"))
+    catalog.write_text(rows.replace("large,4096", "large,6144"))
     now = manifest_of_study(make_plan(Recipe.model_validate(data), toys))
     assert before.changes(now) == ["the catalog ours is not the same: large changed"]
 

@@ -68,6 +68,7 @@ def test_one_scenario_in_a_list_is_the_scenario(toys, tmp_path):
     for mine, alike in zip(camera.pop("finalists"), one["cameras"]["designed"].pop("finalists"), strict=True):
         assert mine["fitness"] == alike["fitness"]
         assert list(mine["episodes"]["0"]) == [f"night/{score}" for score in alike["episodes"]["0"]]
+    assert listed.pop("conditions").replace("night: ", "") == one.pop("conditions")
     assert comparable(listed) == comparable(one)
 
 

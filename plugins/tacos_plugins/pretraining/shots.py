@@ -58,7 +58,7 @@ class Shooting:
             done = folder / f"{shot.stem}.done"
             if done.exists():
                 continue
-            for i, frames in enumerate(simulation.batches(self.task, shot.values, shot.episode)):
+            for i, frames in enumerate(simulation.batches(self.task, shot.values, shot.episode, wanted=True)):
                 write_frames(folder / f"{shot.stem}_{i:03d}.npz", frames)
                 rendered += len(frames.episode) * len(frames.images)
             done.touch()

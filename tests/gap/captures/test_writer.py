@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tacos_framework.values import ImageContext, ImageGeometry
+from tacos_framework.values import Lens, ImageContext, ImageGeometry
 from tacos_gap.captures import Board, Noise, RealCapture, read_captures, write_captures
 
 WIDTH, HEIGHT = 16, 12
@@ -40,7 +40,7 @@ def same(first, second) -> bool:
         return all(same(getattr(first, f.name), getattr(second, f.name)) for f in fields(first))
     if isinstance(first, tuple) and first and isinstance(first[0], np.ndarray):
         return all(map(same, first, second))
-    if first is None or isinstance(first, str | bool | dict | frozenset | Noise | Board):
+    if first is None or isinstance(first, str | bool | dict | frozenset | Noise | Board | Lens):
         return first == second
     return bool(np.allclose(first, second))
 

@@ -35,7 +35,7 @@ def task_of(plugins: Plugins, name: str, **settings: object) -> RecipeTask:
 
 
 def test_blur_loses_features_in_reality_and_with_its_cause(plugins: Plugins) -> None:
-    blur = effect(plugins, "defocus", radius_px=1.6)
+    blur = effect(plugins, "defocus", radius_px=2.2)
     shown = taken([capture("scene", patchwork(), frames=6), capture("flat", 90.0)], [blur])
     gap = task_gap(score_tasks(shown, lambda _: [blur], default_tasks(plugins), seed=1))
     inliers = gap["features.inliers"]
