@@ -36,7 +36,9 @@ def _named(name: str) -> Any:
     return read_yaml(file).data
 
 
-_SCHEMA = {"anyOf": [{"type": "string"}, {"type": "object", "additionalProperties": {"type": ["object", "string"]}}]}
+_SCHEMA = {
+    "anyOf": [{"type": "string"}, {"type": "object", "additionalProperties": {"type": ["object", "string"]}}]
+}
 
 Pipeline = Annotated[dict[str, dict[str, Any]], BeforeValidator(written_out), WithJsonSchema(_SCHEMA)]
 """Effects without their kind, each with its settings: ``{"jpeg": {"quality": 90}}``."""

@@ -104,9 +104,7 @@ class EvaluationContext:
 
         at_a_time = [optional(self.components[task], TaskBase, "frames_per_update") for task in tasks]
         for inputs in self.plan.graph.stream(scene, episode, max(at_a_time, default=1), call, tasks):
-            yield {
-                task: self._as_wanted(task, given) if wanted else given for task, given in inputs.items()
-            }
+            yield {task: self._as_wanted(task, given) if wanted else given for task, given in inputs.items()}
 
     def _as_wanted(self, task: str, given: Mapping[str, Any]) -> Mapping[str, Any]:
         """What a task is given, its frames in the form it wants."""

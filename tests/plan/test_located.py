@@ -13,7 +13,9 @@ from tacos_framework.settings.yaml_writer import to_yaml
 
 
 def test_a_catalog_beside_the_recipe_is_found_from_the_results(toys, tmp_path: Path) -> None:
-    (tmp_path / "ours.csv").write_text("name,width_px,height_px,pixel_um\nsmall,2048,1024,1\nlarge,4096,2048,1\n")
+    (tmp_path / "ours.csv").write_text(
+        "name,width_px,height_px,pixel_um\nsmall,2048,1024,1\nlarge,4096,2048,1\n"
+    )
     design = {"focal_length_mm": {"between": [1, 20]}, "sensor": {"from": "ours.csv"}}
     (tmp_path / "study.yaml").write_text(to_yaml({**FROM_CATALOG, "design": design}))
     recipe = load_recipe(tmp_path / "study.yaml")

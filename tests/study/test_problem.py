@@ -76,7 +76,9 @@ def test_of_another_rig_they_are_what_it_derives_and_its_numbers(toys, undeclare
         found = design_problem(plan).coordinates(plan.space.sample(rng))
         assert all(math.isfinite(value) for value in found.values())
         names.add(tuple(found))
-    known = set.intersection(*map(set, names))  # what is unknown of one part, such as its power, it leaves out
+    known = set.intersection(
+        *map(set, names)
+    )  # what is unknown of one part, such as its power, it leaves out
     assert {"hfov_deg", "focal_length_mm", "pitch_deg", "sensor.pixel_um", "sensor.width_px"} <= known
     assert "sensor.name" not in known
 

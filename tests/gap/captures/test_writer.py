@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tacos_framework.values import Lens, ImageContext, ImageGeometry
+from tacos_framework.values import ImageContext, ImageGeometry, Lens
 from tacos_gap.captures import Board, Noise, RealCapture, read_captures, write_captures
 
 WIDTH, HEIGHT = 16, 12
