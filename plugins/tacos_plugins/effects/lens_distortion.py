@@ -37,6 +37,9 @@ _WIDEST_RAD = math.radians(89)
 _MIXED = 5.0
 """Standard error of a coefficient over that it has alone: the others, and poses, move much as it does."""
 
+_CLEARLY = 0.9
+"""Misfit of one model of a lens over that of another below which it surely is the better: noise makes 1 %."""
+
 
 class LensDistortion:
     """Distorts the image as OpenCV's `projectPoints` does, over the focal length and principal point.
@@ -104,9 +107,11 @@ class LensDistortion:
         """Brown and Conrady's lens that OpenCV calibrates from boards, over the believed focal length.
 
         Its error is that of as many corners with the misfit that is left; what moves the farthest of them by
-        an eighth of a pixel is negligible.
+        an eighth of a pixel is negligible. Where a fisheye suits clearly better, its terms tell nothing.
         """
-        found = calibrated(captures, terms=2)
+        found, fisheye = calibrated(captures, terms=2), calibrated(captures, terms=3, fisheye=True)
+        if found and fisheye and fisheye.rms_px < _CLEARLY * found.rms_px:
+            return
         seen = [each for each in captures if each.corners is not None]
         if not found or not all(_images_all(BrownConrady(*found.radial), each) for each in seen):
             return
