@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import cv2
+import numpy as np
+from numpy.typing import NDArray
 
 
 def seeded(*, threshold_px: float, confidence: float, seed: int) -> cv2.UsacParams:
@@ -26,3 +30,24 @@ def seeded(*, threshold_px: float, confidence: float, seed: int) -> cv2.UsacPara
     params.confidence = confidence
     params.randomGeneratorState = seed
     return params
+
+
+def fundamental_matrix(
+    before_px: NDArray[np.float32], after_px: NDArray[np.float32], consensus: Any
+) -> tuple[NDArray[np.float64] | None, NDArray[np.uint8] | None]:
+    """The fundamental matrix that most of (M, 2) matches agree with, and which do; None where there is none.
+
+    Parameters
+    ----------
+    consensus
+        Settings of the search, as `seeded` makes them.
+    """
+    try:
+        found, agreeing = cv2.findFundamentalMat(before_px, after_px, consensus)
+    except cv2.error as error:  # OpenCV 5 raises where no sample has a model; version 4 returned none
+        if "model.empty()" not in str(error):
+            raise
+        found = None
+    if found is None:
+        return None, None
+    return np.asarray(found, np.float64), np.asarray(agreeing, np.uint8)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from tacos_framework import Camera
 from tacos_framework.camera import LUMINANCE_WEIGHTS, rays_of_pixels
-from tacos_plugins.tasks.consensus import seeded
+from tacos_plugins.tasks.consensus import fundamental_matrix, seeded
 
 MATCHES_NEEDED = 8
 """Fewer matches fix no fundamental matrix with one to spare: seven define it, the eighth tests it."""
@@ -136,10 +136,8 @@ def follow(
         if first.rays_px is not None and second.rays_px is not None:
             inliers = _agreeing_rays(first.rays_px[before], second.rays_px[after], consensus)
         else:
-            fundamental, mask = cv2.findFundamentalMat(
-                first.points_px[before], second.points_px[after], consensus
-            )
-            inliers = 0 if fundamental is None else int(np.count_nonzero(mask))
+            _, mask = fundamental_matrix(first.points_px[before], second.points_px[after], consensus)
+            inliers = 0 if mask is None else int(np.count_nonzero(mask))
     return FollowedFeatures((len(first) + len(second)) / 2, len(matches), inliers)
 
 
@@ -157,7 +155,7 @@ def _agreeing_rays(first: NDArray[np.float64], second: NDArray[np.float64], cons
     before, after = (
         (rays[ahead, :2] / rays[ahead, 2:] * focal_px).astype(np.float32) for rays in (first, second)
     )
-    fundamental, _ = cv2.findFundamentalMat(before, after, consensus)
+    fundamental, _ = fundamental_matrix(before, after, consensus)
     if fundamental is None or fundamental.shape != (3, 3):
         return 0
     onto_flat = np.diag([1.0, 1.0, 1 / focal_px])  # the third of a flat point is 1, that of a ray z / f
