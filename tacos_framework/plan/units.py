@@ -19,16 +19,15 @@ _PIXEL_UM, _FOCAL_MM, _HFOV_DEG, _EXPOSURE_MS = (0.3, 200.0), (0.1, 2000.0), (0.
 
 
 def check_image_sizes(findings: RecipeFindings, plan: Plan) -> None:
-    """Binning that leaves no image of any camera is a fault, as each candidate would fail by it."""
-    seen = [_middle(plan), *({**_middle(plan), **camera.fixes} for camera in plan.cameras)]
-    cameras = [camera for values in seen for camera in _cameras(plan, values)]
-    largest = max(cameras, key=lambda camera: min(camera.width_px, camera.height_px), default=None)
-    if largest is None or largest.simulated_binning <= 1:
-        return
-    if min(largest.width_px, largest.height_px) < _FEWEST_PX:
-        size = f"{largest.width_px} x {largest.height_px}"
-        what = f"{largest.simulated_binning:g} leaves an image of {size} pixels"
-        findings.add(("rig", "binning"), what, "images of some hundred pixels", "Lower it.")
+    """Binning that leaves no image is a fault, as each candidate would fail by it."""
+    values = _middle(plan)
+    own_px = plan.derived(values).get("image_width_px", 0) if values else 0
+    for camera in _cameras(plan, values):
+        if min(camera.width_px, camera.height_px) < _FEWEST_PX and own_px > _FEW_PX:
+            size = f"{camera.width_px} x {camera.height_px}"
+            what = f"{camera.simulated_binning:g} leaves an image of {size} pixels"
+            findings.add(("rig", "binning"), what, "images of some hundred pixels", "Lower it.")
+            return
 
 
 def doubts_of_units(plan: Plan) -> Iterator[str]:

@@ -57,7 +57,7 @@ def test_exposures_are_doubted_with_the_likely_unit(toys: Plugins, scenario: Any
 
 
 def test_binning_that_leaves_no_image_is_a_fault(toys: Plugins) -> None:
-    rig = {"use": "rig.monocular", "sensor": toy_recipe().rig.settings["sensor"]}
+    rig = {"use": "rig.monocular", "sensor": {"width_px": 1600, "height_px": 800, "pixel_um": 1.0}}
     assert make_plan(toy_recipe(rig={**rig, "binning": 2}), toys)
     with pytest.raises(UserError, match="2000 leaves an image of 1 x 1 pixels") as refused:
         make_plan(toy_recipe(rig={**rig, "binning": 2000}), toys)

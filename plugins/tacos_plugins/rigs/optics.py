@@ -48,6 +48,7 @@ class Optics:
 
         Examples
         --------
+        >>> import math
         >>> round(Optics(1.0, Lens("equidistant", half_field_deg=90)).dark_share(math.pi, math.pi), 2)
         0.21
         """

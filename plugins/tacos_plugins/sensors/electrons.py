@@ -71,6 +71,7 @@ def photons_per_luminance(
     --------
     A white wall (reflectance 0.8) at 20 lux, f/2, 30 ms, on a pixel of 3.45 um:
 
+    >>> import math
     >>> luminance = 0.8 * 20 / math.pi
     >>> round(luminance * photons_per_luminance(time_s=0.030, f_number=2.0, pixel_um=3.45))
     3885

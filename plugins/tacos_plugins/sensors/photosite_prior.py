@@ -111,7 +111,7 @@ def assumed_from(figure: str) -> str:
     Examples
     --------
     >>> assumed_from("read_noise_e")
-    'assumed from 23 sensors, within a factor of 1.7 in two of three'
+    'assumed from 28 sensors, within a factor of 1.8 in two of three'
     """
     prior = PRIORS[figure]
     if prior.is_share:

@@ -80,7 +80,7 @@ def grade(error: float, best_and_worst: tuple[float, float]) -> float:
     """1 for errors up to the best, 0 from the worst on, and even steps for equal ratios between.
 
     >>> [round(grade(error, (0.01, 10.0)), 2) for error in (0.001, 0.1, 1.0, 90.0)]
-    [1.0, 0.5, 0.25, 0.0]
+    [1.0, 0.67, 0.33, 0.0]
     """
     best, worst = best_and_worst
     return min(1.0, max(0.0, math.log(worst / max(error, 1e-12)) / math.log(worst / best)))
