@@ -21,10 +21,8 @@ def captured(renderer: Any, rig: Rig, take: Callable[..., Capture]) -> Capture:
 
     Parameters
     ----------
-    renderer
-        The component.
     take
-        Its `capture`, all given but the ``rig``.
+        The renderer's `capture`, all given but the ``rig``.
 
     Examples
     --------

@@ -13,8 +13,8 @@ from tacos_plugins.rigs.front_back_sides import FrontBackSidesRig
 from tacos_plugins.rigs.lens import LensPart, derived_fit, notes_on_fit
 from tacos_plugins.rigs.lens_curve import lens_of_curve
 from tacos_plugins.rigs.monocular import MonocularRig
-from tacos_plugins.rigs.mounted_camera import SensorPart
 from tacos_plugins.rigs.ring import RingRig
+from tacos_plugins.rigs.sensor_part import SensorPart
 from tacos_plugins.rigs.stereo import StereoRig
 
 T265 = {"width_px": 848, "height_px": 800, "pixel_um": 3.0}

@@ -12,8 +12,8 @@ from pydantic import ValidationError
 from tacos_framework.catalog import find_catalog
 from tacos_plugins.rigs.costs import COST_UNITS
 from tacos_plugins.rigs.monocular import MonocularRig
-from tacos_plugins.rigs.mounted_camera import bits_of
 from tacos_plugins.rigs.priced_part import total_prices
+from tacos_plugins.rigs.sensor_part import bits_of
 from tacos_plugins.rigs.stereo import StereoRig
 
 PRODUCTS = find_catalog("cameras")

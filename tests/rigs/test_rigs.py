@@ -15,8 +15,8 @@ from tacos_framework import PINHOLE
 from tacos_framework.camera.geometry import invert_pose, project
 from tacos_framework.catalog import CatalogPart, load_cameras
 from tacos_plugins.rigs.monocular import MonocularRig
-from tacos_plugins.rigs.mounted_camera import SensorPart
 from tacos_plugins.rigs.optics import Optics, optics_for
+from tacos_plugins.rigs.sensor_part import SensorPart
 from tacos_plugins.rigs.stereo import StereoRig
 
 FLEA3 = {"name": "IMX172", "width_px": 4000, "height_px": 3000, "pixel_um": 1.55, "shutter": "rolling"}

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from tacos_framework import CURRENCIES
 from tacos_plugins.rigs.lens import LensPart
-from tacos_plugins.rigs.mounted_camera import MountSettings, ReadOutVariables, SensorPart, bits_of
+from tacos_plugins.rigs.mounted_camera import MountSettings, ReadOutVariables
 from tacos_plugins.rigs.priced_part import PRICE, total_prices
 from tacos_plugins.rigs.product import ProductPart
+from tacos_plugins.rigs.sensor_part import SensorPart, bits_of
 
 COST_UNITS = {
     "image_width_px": "px",

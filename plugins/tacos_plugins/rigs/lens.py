@@ -11,9 +11,9 @@ from pydantic import ConfigDict, model_validator
 
 from tacos_framework import Constraint, Lens, Projection, setting
 from tacos_plugins.rigs.lens_curve import lens_of_curve
-from tacos_plugins.rigs.mounted_camera import SensorPart
 from tacos_plugins.rigs.optics import Coefficients, Optics
 from tacos_plugins.rigs.priced_part import PricedPart
+from tacos_plugins.rigs.sensor_part import SensorPart
 
 FITS = {"M12": ("M12",), "M8": ("M8",), "CS": ("CS",), "C": ("C", "CS")}
 """Mount of a lens -> mounts of cameras that take it. C and CS share their thread; a C lens sits 17.526 mm

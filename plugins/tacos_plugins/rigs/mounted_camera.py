@@ -1,168 +1,17 @@
-"""What the rigs share: an image sensor off the shelf, and a camera built from it and a focal length."""
+"""A camera built from a sensor and its optics, as the rigs share it."""
 
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, Literal, Self
+from collections.abc import Sequence
+from typing import Annotated, Literal, Self
 
-from pydantic import ConfigDict, Field, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import Field, model_validator
 
-from tacos_framework import CURRENCIES, Camera, Electrons, Lens, Projection, Settings, setting
+from tacos_framework import CURRENCIES, Camera, Lens, Projection, Settings, setting
 from tacos_framework.camera import agent_from_camera
 from tacos_plugins.rigs.optics import Optics, optics_for
-from tacos_plugins.rigs.priced_part import PricedPart
-
-
-class SensorPart(PricedPart):
-    """The columns of a sensor catalog a rig needs; a row's other columns are ignored."""
-
-    model_config = ConfigDict(extra="ignore")
-
-    name: str = setting("custom", help="Name of the part, for reports.")
-    width_px: int = setting(help="Photosites along the long side.", unit="px", ge=1)
-    height_px: int = setting(help="Photosites along the short side.", unit="px", ge=1)
-    pixel_um: float = setting(
-        help="Pitch of the photosites.", unit="um", gt=0, also=("pitch_um", "pixel_size")
-    )
-    quantum_efficiency: float | None = setting(None, help="Electrons per photon, if known.", gt=0, le=1)
-    full_well_e: float | None = setting(
-        None, help="Electrons a photosite holds before it saturates, if known.", unit="e-", gt=0
-    )
-    read_noise_e: float | None = setting(
-        None, help="Standard deviation of the noise without light, if known.", unit="e-", ge=0
-    )
-    dark_current_e_s: float | None = setting(
-        None, help="Electrons per second without light, if known.", unit="e-/s", ge=0
-    )
-    high_gain_from_db: float | None = setting(
-        None, help="Gain from which on its higher conversion gain is used, if known.", unit="dB"
-    )
-    high_gain_read_noise_e: float | None = setting(
-        None, help="Read noise at that gain, if known.", unit="e-", ge=0
-    )
-    colour: Literal["colour", "mono"] | None = setting(
-        None, help="Whether colour filters lie over its photosites, if known."
-    )
-    shutter: str | None = setting(
-        None, help="How rows are exposed, global (all at once) or rolling (one after the other), if known."
-    )
-    power_w: float | None = setting(
-        None, help="Power of a camera that is sold with it, if known.", unit="W", gt=0
-    )
-    row_time_us: float | None = setting(
-        None, help="Time from the read-out of a row to the next, if known.", unit="us", gt=0
-    )
-    frame_lines: int | None = setting(None, help="Rows of a frame and of its blanking, if known.", ge=1)
-    max_fps: float | None = setting(
-        None, help="Most frames per second of all its pixels, if known.", unit="1/s", gt=0
-    )
-    frame_rate_fps: float | None = setting(
-        None, help="The same of a camera that is sold with it, if known.", unit="1/s", gt=0
-    )
-    min_exposure_us: float | None = setting(None, help="Shortest exposure, if known.", unit="us", gt=0)
-    bit_depth: str | None = setting(
-        None, help="Bits per sample it puts out, if known; the most of several modes count, as in 10/12."
-    )
-    camera_mass_g: float | None = setting(
-        None, help="Mass of a camera that is sold with it, without lens, if known.", unit="g", gt=0
-    )
-    mounts: str | None = setting(
-        None, help="Lens mounts of cameras that are sold with it, as in C, CS, M12; if known."
-    )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _with_units(cls, given: Any) -> Any:
-        if isinstance(given, Mapping):
-            units = {name.rpartition("_")[0]: name for name in cls.model_fields if "_" in name}
-            if column := next((name for name in given if name in units), None):  # would be ignored
-                raise PydanticCustomError(
-                    "lacks_unit", f"{units[column]}, with its unit, in place of {column}"
-                )
-        return given
-
-    @property
-    def width_mm(self) -> float:
-        """Width of the active area [mm]."""
-        return self.width_px * self.pixel_um * 1e-3
-
-    @property
-    def height_mm(self) -> float:
-        """Height of the active area [mm]."""
-        return self.height_px * self.pixel_um * 1e-3
-
-    @property
-    def diagonal_mm(self) -> float:
-        """Diagonal of the active area [mm]."""
-        return math.hypot(self.width_mm, self.height_mm)
-
-    @property
-    def exposes(self) -> str | None:
-        """``global``, ``rolling``, or None where the part's shutter is unknown."""
-        first = (
-            (self.shutter or "").strip().lower().split(" ")[0]
-        )  # "rolling (global reset)" needs a dark room
-        return first if first in ("global", "rolling") else None
-
-    def region(self, width_share: float, height_share: float) -> SensorPart:
-        """The region of interest about its middle, in whole pairs of photosites, as colour patterns need it.
-
-        What lies outside is not read: the field of view shrinks with the image, pixels stay as they are.
-
-        Examples
-        --------
-        >>> region = SensorPart(width_px=4000, height_px=3000, pixel_um=1.55).region(0.5, 0.3337)
-        >>> region.width_px, region.height_px, region.pixel_um
-        (2000, 1002, 1.55)
-        """
-        if width_share == height_share == 1:
-            return self
-        sizes = {
-            name: size_px if share == 1 else max(2, 2 * round(size_px * share / 2))
-            for name, size_px, share in (
-                ("width_px", self.width_px, width_share),
-                ("height_px", self.height_px, height_share),
-            )
-        }
-        return self.model_copy(update=sizes)
-
-    def binned(self, binning: int) -> SensorPart:
-        """Its pixels where it averages blocks of photosites; what is left over at the edges is not read.
-
-        Electrons, full well and noise stay those of one photosite.
-
-        Examples
-        --------
-        >>> binned = SensorPart(width_px=4001, height_px=3000, pixel_um=1.55).binned(2)
-        >>> binned.width_px, binned.height_px, binned.pixel_um
-        (2000, 1500, 3.1)
-        """
-        if binning == 1:
-            return self
-        sizes = {name: max(1, getattr(self, name) // binning) for name in ("width_px", "height_px")}
-        return self.model_copy(update={**sizes, "pixel_um": self.pixel_um * binning})
-
-    @property
-    def electrons(self) -> Electrons:
-        """What is known of its photosites in electrons."""
-        return Electrons(
-            self.name,
-            self.quantum_efficiency,
-            self.full_well_e,
-            self.read_noise_e,
-            self.dark_current_e_s,
-            self.high_gain_from_db,
-            self.high_gain_read_noise_e,
-            bits_of(self.bit_depth),
-        )
-
-
-def bits_of(bit_depth: str | None) -> int | None:
-    """The deepest of the modes a part is stated with, as in ``10/12``; None where none is [bit]."""
-    return max((int(bits) for bits in re.findall(r"\d+", bit_depth or "")), default=None)
+from tacos_plugins.rigs.sensor_part import SensorPart
 
 
 class MountSettings(Settings):

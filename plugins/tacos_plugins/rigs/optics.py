@@ -12,7 +12,7 @@ from pydantic import BeforeValidator
 from tacos_framework import PINHOLE, Lens
 
 if TYPE_CHECKING:
-    from tacos_plugins.rigs.mounted_camera import SensorPart
+    from tacos_plugins.rigs.sensor_part import SensorPart
 
 LISTED = BeforeValidator(lambda given: tuple(given) if isinstance(given, list) else given)
 """Lists of files and recipes are tuples of settings."""

@@ -8,8 +8,9 @@ from typing import Any, ClassVar
 from pydantic import model_validator
 
 from tacos_framework import CatalogPart, Lens, Projection, setting
-from tacos_plugins.rigs.mounted_camera import ReadOutVariables, SensorPart
+from tacos_plugins.rigs.mounted_camera import ReadOutVariables
 from tacos_plugins.rigs.optics import Optics, optics_for
+from tacos_plugins.rigs.sensor_part import SensorPart
 
 
 class ProductPart(SensorPart):

@@ -11,12 +11,12 @@ from tacos_plugins.rigs.mounted_camera import (
     DERIVED_UNITS,
     MountSettings,
     ReadOutVariables,
-    SensorPart,
     derived_optics,
     image_coordinates,
     mounted_camera,
 )
 from tacos_plugins.rigs.optics import Optics, optics_for
+from tacos_plugins.rigs.sensor_part import SensorPart
 
 SEVERAL_UNITS = {
     **DERIVED_UNITS,
