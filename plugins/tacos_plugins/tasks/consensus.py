@@ -33,17 +33,17 @@ def seeded(*, threshold_px: float, confidence: float, seed: int) -> cv2.UsacPara
 
 
 def fundamental_matrix(
-    before_px: NDArray[np.float32], after_px: NDArray[np.float32], consensus: Any
+    before_px: NDArray[np.float32], after_px: NDArray[np.float32], *search: Any
 ) -> tuple[NDArray[np.float64] | None, NDArray[np.uint8] | None]:
     """The fundamental matrix that most of (M, 2) matches agree with, and which do; None where there is none.
 
     Parameters
     ----------
-    consensus
-        Settings of the search, as `seeded` makes them.
+    search
+        What `seeded` gives, or OpenCV's name of a method with its threshold and confidence.
     """
     try:
-        found, agreeing = cv2.findFundamentalMat(before_px, after_px, consensus)
+        found, agreeing = cv2.findFundamentalMat(before_px, after_px, *search)
     except cv2.error as error:  # OpenCV 5 raises where no sample has a model; version 4 returned none
         if "model.empty()" not in str(error):
             raise

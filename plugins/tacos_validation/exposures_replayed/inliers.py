@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_plugins.tasks.consensus import fundamental_matrix
 from tacos_plugins.tasks.followed_features import MATCHES_NEEDED, Features, extract, match
 
 THRESHOLD_PX = 3.0
@@ -53,7 +54,7 @@ def _inliers(first: Features, second: Features) -> int:
     matches = match(first, second)
     if len(matches) < MATCHES_NEEDED:
         return 0
-    _, mask = cv2.findFundamentalMat(
+    _, mask = fundamental_matrix(
         first.points_px[[match.queryIdx for match in matches]],
         second.points_px[[match.trainIdx for match in matches]],
         cv2.FM_RANSAC,
