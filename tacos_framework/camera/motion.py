@@ -121,9 +121,9 @@ class FrameMotion:
         return cls(
             ImageGeometry.of_camera(view.camera),
             float(episode.time_s[0]),
-            episode.trajectory,
+            episode.trajectory.continued,
             view.camera.agent_from_camera,
-            {mover.object_id: mover.trajectory for mover in episode.movers},
+            {mover.object_id: mover.trajectory.continued for mover in episode.movers},
         )
 
     def shown(

@@ -15,6 +15,9 @@ from tacos_framework.values.world import World
 if TYPE_CHECKING:
     from scipy.spatial.transform import Slerp
 
+_BEYOND_S = 0.1
+"""How far a way goes on beyond its ends where it is continued, longer than any exposure in motion [s]."""
+
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
@@ -42,6 +45,32 @@ class Trajectory:
         from scipy.spatial.transform import Rotation, Slerp  # late: checking a recipe interpolates nothing
 
         return Slerp(self.time_s, Rotation.from_matrix(self.world_from_agent[:, :3, :3]))
+
+    @cached_property
+    def continued(self) -> Trajectory:
+        """The way with a tenth of a second more at either end, in the motion of its first and its last step.
+
+        For what happens within an exposure at the ends: an agent does not stand still before its first frame.
+        """
+        if len(self.time_s) == 1:
+            return self
+        before, after = self._beyond(0, 1), self._beyond(-1, -2)
+        return Trajectory(
+            np.concatenate([[self.time_s[0] - _BEYOND_S], self.time_s, [self.time_s[-1] + _BEYOND_S]]),
+            np.concatenate([before[None], self.world_from_agent, after[None]]),
+        )
+
+    def _beyond(self, end: int, inner: int) -> NDArray[np.float64]:
+        """(4, 4) the pose `_BEYOND_S` beyond an end, by the motion from the key before it [m]."""
+        from scipy.spatial.transform import Rotation  # late, as above
+
+        last, first = self.world_from_agent[end], self.world_from_agent[inner]
+        steps = _BEYOND_S / abs(self.time_s[end] - self.time_s[inner])
+        turn = Rotation.from_matrix(last[:3, :3] @ first[:3, :3].T).as_rotvec()
+        pose = np.eye(4)
+        pose[:3, :3] = Rotation.from_rotvec(turn * steps).as_matrix() @ last[:3, :3]
+        pose[:3, 3] = last[:3, 3] + steps * (last[:3, 3] - first[:3, 3])
+        return pose
 
     def at(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
         """(N, 4, 4) poses at the (N,) times, held constant beyond the ends [m]."""

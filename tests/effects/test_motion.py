@@ -125,6 +125,15 @@ def test_blur_is_the_mean_of_sub_frames(name):
     assert np.array_equal(found.object_id, sharp.object_id)
 
 
+def test_the_first_exposure_of_a_path_is_blurred_like_any_other():
+    whole = MOTIONS["slanted"]
+    begun = whole.time_s >= 0
+    cut = Trajectory(whole.time_s[begun], whole.world_from_agent[begun])
+    sharp = cast(trip(whole), camera(), (FAR, NEAR))
+    found, expected = (moved(sharp, trip(each)).luminance_cd_m2 for each in (cut, whole))
+    np.testing.assert_allclose(found, expected, atol=2e-3)
+
+
 def test_what_moves_by_itself_is_blurred_by_its_own_way():
     card = Wall(2.5, 0.7, CARD_ID, way=way(speed_m_s=(0.5, 1.5, 0), up_m=0))
     episode = trip(way(turn_deg_s=(0, 0, 20)), movers=(Mover(CARD_ID, card.way),))

@@ -17,8 +17,11 @@ from numpy.typing import NDArray
 from tacos_framework import ImageContext, ImageGeometry
 from tacos_plugins.effects.path_loops import MOST_AT_ONCE_PX
 
-SPACING_PX = 16
-"""From node to node; between them displacements are linear to some thousandths of a pixel [px]."""
+SPACING_PX = (16, 32)
+"""From node to node, least and most; between them displacements are linear to a hundredth of a pixel [px]."""
+
+_SPACING_OF_ROOT = 1.5
+"""Spacing over the root of the focal length: displacements bend over a focal length, squared by the step."""
 
 _BENT_PX = 0.1
 """A path that lies farther from its chord is cut in two [px]."""
@@ -27,6 +30,9 @@ _MOST_PARTS = 16
 
 _ALIKE_PX = 0.04
 """Neighbours whose places differ by less from those by one path take it together [px]."""
+
+_SHOWN_ALIKE_PX = 0.2
+"""The same where only whole pixels are looked up [px]."""
 
 _BOOLE = np.array([7, 32, 12, 32, 7]) / 90
 """Weights of five even places on a path for its mean."""
@@ -58,7 +64,7 @@ class Paths:
     widest
         So many neighbours may take the path of one [1].
     alike
-        Where their inverse depths differ by no more than this [1/m].
+        Where their inverse depths differ by no more than this from the first's [1/m].
     """
 
     parts: Sequence[NDArray[np.float32]]
@@ -86,6 +92,8 @@ class ImageMotion:
         (H, W) int32 which of them each pixel has.
     near
         (H, W) float32 inverse depth of the frame [1/m].
+    object_id
+        (H, W) int32 what it shows; where objects are not known, alike everywhere.
     spacing_px
         From node to node of the tables [px].
     """
@@ -93,6 +101,7 @@ class ImageMotion:
     displaced: Sequence[Displaced]
     table_of: NDArray[np.int32]
     near: NDArray[np.float32]
+    object_id: NDArray[np.int32]
     spacing_px: int
 
     @classmethod
@@ -109,22 +118,25 @@ class ImageMotion:
         if context.motion is None:
             velocity = np.asarray(context.known_velocity_px_s("effect.motion"), np.float64)
             if velocity.ndim == 1:
-                return cls([_steadily(velocity)], still, np.zeros(size, np.float32), max(size))
+                return cls([_steadily(velocity)], still, np.zeros(size, np.float32), still, max(size))
             velocity = velocity if velocity.ndim == 3 else velocity[frame]
-            return cls([_steadily(velocity)], still, np.zeros(size, np.float32), 1)
+            return cls([_steadily(velocity)], still, np.zeros(size, np.float32), still, 1)
         depth_m = context.known_depth_m("effect.motion")
         depth_m = depth_m if depth_m.ndim == 2 else depth_m[frame]
         near = np.divide(np.float32(1), depth_m, dtype=np.float32)
         displaced: list[Displaced] = [context.motion.shown]
-        if context.object_id is not None and context.motion.movers:
+        table_of = ids = still
+        if context.object_id is not None:
             ids = context.object_id if context.object_id.ndim == 2 else context.object_id[frame]
+        if context.object_id is not None and context.motion.movers:
             seen = np.bincount(ids.ravel(), minlength=max(context.motion.movers) + 1)
             moving = [each for each in sorted(context.motion.movers) if seen[each]]
             table = np.zeros(len(seen), np.int32)
             table[moving] = np.arange(len(moving)) + 1
-            still = table[ids]
+            table_of = table[ids]
             displaced += [_of_object(context.motion.shown, each) for each in moving]
-        return cls(displaced, still, near, SPACING_PX)
+        spacing_px = int(np.clip(_SPACING_OF_ROOT * np.sqrt(geometry.focal_length_px), *SPACING_PX))
+        return cls(displaced, table_of, near, ids, spacing_px)
 
     def paths(self, row_after_s: RowAfter, exposure_s: float) -> Paths:
         """The straight parts of the paths over an exposure, which all have the same time.
@@ -147,14 +159,16 @@ class ImageMotion:
                 break
             parts *= 2
         mean = runs @ _BOOLE
-        return self._paths(np.concatenate([mean, end - begin], axis=-1), float(np.abs(knots).max()))
+        return self._paths(
+            np.concatenate([mean, end - begin], axis=-1), float(np.abs(knots).max()), _ALIKE_PX
+        )
 
     def middle(self, row_after_s: RowAfter) -> Paths:
         """Places and inverse depths in the middle of each row's exposure."""
         values = self._at_nodes(row_after_s, np.zeros(1))
-        return self._paths(values, float(np.abs(values[..., :2]).max()))
+        return self._paths(values, float(np.abs(values[..., :2]).max()), _SHOWN_ALIKE_PX)
 
-    def _paths(self, values: NDArray[np.float64], reach_px: float) -> Paths:
+    def _paths(self, values: NDArray[np.float64], reach_px: float, alike_px: float) -> Paths:
         """Of (parts, tables, rows, columns, 3, figures) at `_nears`."""
         places = values[..., :2]
         over_px = np.abs(np.diff(places, axis=3)).max() / self.spacing_px
@@ -163,8 +177,8 @@ class ImageMotion:
             [self._polynomials(part) for part in values],
             reach_px,
             self.spacing_px,
-            widest=int(np.clip(1 + 2 * _ALIKE_PX / max(over_px, 1e-9), 1, MOST_AT_ONCE_PX)),
-            alike=np.float32(_ALIKE_PX / max(over_near, 1e-9)),
+            widest=int(np.clip(1 + 2 * alike_px / max(over_px, 1e-9), 1, MOST_AT_ONCE_PX)),
+            alike=np.float32(2 * alike_px / max(over_near, 1e-9)),
         )
 
     def _at_nodes(self, row_after_s: RowAfter, offsets_s: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tacos_framework import Camera, ImageContext, ImageGeometry, Rig, Settings, ShownBy, Stage, setting
 from tacos_plugins.effects.image_paths import ImageMotion, RowAfter
-from tacos_plugins.effects.path_average import along_paths, shown_at
+from tacos_plugins.effects.path_average import Shown, along_paths
 from tacos_plugins.effects.shown_by import MOTION
 
 _NOWHERE_PX = 1e-3
@@ -127,11 +127,9 @@ class Motion:
         found = self._moved(light[0], geometry, context, 0)
         if found is None:
             return light, depth_m, object_id
-        if found.shown is None or found.near is None:
+        if found.shown is None:
             return found.light[None], depth_m, object_id
-        with np.errstate(divide="ignore"):
-            depth_m = (1 / found.near[None]).astype(np.float32)
-        return found.light[None], depth_m, object_id.ravel()[found.shown][None]
+        return found.light[None], found.shown.depth_m[None], found.shown.object_id[None]
 
     def _moved(
         self, frame: NDArray[np.floating], geometry: ImageGeometry, context: ImageContext, index: int
@@ -144,12 +142,11 @@ class Motion:
         paths = motion.paths(row_after_s, self.config.amount * context.exposure_s)
         if paths.reach_px < _NOWHERE_PX:
             return None
-        near, table_of = motion.near, motion.table_of
-        shown = moved = None
-        if self._row_time_of_image_us(geometry, context):
-            shown, moved = shown_at(near, table_of, motion.middle(row_after_s))
-            near, table_of = near.ravel()[shown], table_of.ravel()[shown]
-        return _Moved(along_paths(frame, near, table_of, paths), shown, moved)
+        if not self._row_time_of_image_us(geometry, context):
+            return _Moved(along_paths(frame, motion.near, motion.table_of, paths), None)
+        middle = motion.middle(row_after_s)
+        shown = Shown.at(motion.near, motion.table_of, motion.object_id, middle)
+        return _Moved(along_paths(frame, shown.near, shown.table_of, paths), shown)
 
     def _row_after_s(self, geometry: ImageGeometry, context: ImageContext) -> RowAfter:
         """Takes rows to the middles of their exposures after the frame's moment [px, s]."""
@@ -196,9 +193,7 @@ def _named(camera: Camera) -> str:
 
 @dataclass(frozen=True, eq=False)
 class _Moved:
-    """A frame that has moved: (H, W, C) light; where rows are exposed one by one also (H, W) the pixel of the
-    frame that each shows, row by row, and its inverse depth [1/m]."""
+    """A frame that has moved: (H, W, C) light, and what it shows where rows are exposed one by one."""
 
     light: NDArray[np.float32]
-    shown: NDArray[np.int32] | None
-    near: NDArray[np.float32] | None
+    shown: Shown | None

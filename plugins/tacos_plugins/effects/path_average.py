@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -17,6 +18,40 @@ from tacos_plugins.effects.path_loops import (
     average_along,
     find_shown,
 )
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """What each pixel of a rolling shutter shows at the moment of its row.
+
+    Parameters
+    ----------
+    near, table_of
+        (H, W) its inverse depth in the frame [1/m], and the number of its table.
+    depth_m, object_id
+        (H, W) its depth then [m], and its object.
+    """
+
+    near: NDArray[np.float32]
+    table_of: NDArray[np.int32]
+    depth_m: NDArray[np.float32]
+    object_id: NDArray[np.int32]
+
+    @classmethod
+    def at(
+        cls,
+        near: NDArray[np.float32],
+        table_of: NDArray[np.int32],
+        object_id: NDArray[np.int32],
+        middle: Paths,
+    ) -> Shown:
+        """By the (H, W) arrays of the frame and where things are in the middle of each row's exposure."""
+        shown = cls(*(np.empty(near.shape, kind) for kind in (np.float32, np.int32, np.float32, np.int32)))
+        nodes = np.empty(middle.row_shape, np.float32)
+        grid = (middle.parts[0], middle.spacing_px, middle.widest, middle.alike)
+        filled = (shown.near, shown.table_of, shown.depth_m, shown.object_id)
+        find_shown(near, table_of, object_id, *grid, nodes, *filled)
+        return shown
 
 
 def along_paths(
@@ -36,16 +71,18 @@ def along_paths(
     NDArray
         Nowhere outside the range of the frame.
     """
+    frame = frame.astype(np.float32, copy=False)
     margin = math.ceil(paths.reach_px) + 2 * KERNEL_PX + MOST_AT_ONCE_PX
-    image = np.pad(frame.astype(np.float32, copy=False), ((margin, margin), (margin, margin), (0, 0)), "edge")
-    mean, part = np.zeros((2, frame.size + LANES), np.float32)
+    image = np.pad(frame, ((margin, margin), (margin, margin), (0, 0)), "edge")
     nodes, scratch = np.empty(paths.row_shape, np.float32), np.empty((2, 4), np.float32)
-    for table in paths.parts:
-        grid = (table, paths.spacing_px, paths.widest, paths.alike)
-        average_along(image, margin, near, table_of, *grid, nodes, _taps(), scratch, part)
-        mean += part
-    mean *= np.float32(1 / len(paths.parts))
-    return np.clip(mean, frame.min(), frame.max(), out=mean)[: frame.size].reshape(frame.shape)
+    means = []
+    for part in paths.parts:
+        grid = (part, paths.spacing_px, paths.widest, paths.alike)
+        means.append(np.empty(frame.size + LANES, np.float32))
+        kernel = (_taps(), scratch, frame.min(), frame.max())
+        average_along(image, margin, near, table_of, *grid, nodes, *kernel, means[-1])
+    filled = [mean[: frame.size].reshape(frame.shape) for mean in means]
+    return filled[0] if len(filled) == 1 else np.mean(filled, axis=0, dtype=np.float32)
 
 
 @cache
@@ -54,20 +91,3 @@ def _taps() -> NDArray[np.float32]:
     t = np.linspace(0, 1, PHASES + 1)
     inner, outer = (lambda t: 1 + t**2 * (1.5 * t - 2.5)), (lambda t: -0.5 * t * (1 - t) ** 2)
     return np.stack([outer(t), inner(t), inner(1 - t), outer(1 - t)], axis=1).astype(np.float32)
-
-
-def shown_at(
-    near: NDArray[np.float32], table_of: NDArray[np.int32], middle: Paths
-) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
-    """(H, W) which pixel of the frame, row by row, each shows at its row's moment, and its inverse depth.
-
-    Parameters
-    ----------
-    near, table_of
-        Of the frame, as above.
-    """
-    shown, moved = np.empty(near.shape, np.int32), np.empty_like(near)
-    nodes = np.empty(middle.row_shape, np.float32)
-    grid = (middle.parts[0], middle.spacing_px, middle.widest, middle.alike)
-    find_shown(near, table_of, *grid, nodes, shown, moved)
-    return shown, moved

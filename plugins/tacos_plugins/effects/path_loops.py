@@ -69,20 +69,23 @@ def _alike(near: Floats, table_of: Ints, row: int, column: int, most: int, alike
 def find_shown(
     near: Floats,
     table_of: Ints,
+    object_id: Ints,
     middle: Floats,
     spacing: int,
     widest: int,
     alike: Single,
     nodes: Floats,
-    shown: Ints,
-    moved_near: Floats,
+    shown_near: Floats,
+    shown_table: Ints,
+    depth_m: Floats,
+    shown_id: Ints,
 ) -> None:
-    """Which pixel of the frame each pixel shows at the moment of its row, and how far it is then.
+    """What each pixel shows at the moment of its row, and how far it is then.
 
     Parameters
     ----------
-    near, table_of
-        (H, W) inverse depth [1/m] and number of the table of what the frame shows.
+    near, table_of, object_id
+        (H, W) inverse depth [1/m], number of the table and object of what the frame shows.
     middle
         (tables, rows, columns, 3, 3) displacement along x and y [px] and inverse depth [1/m] at every
         `spacing` pixels, as polynomials of the inverse depth in the frame.
@@ -90,8 +93,9 @@ def find_shown(
         As in `average_along`.
     nodes
         (tables, columns, 3, 3) is used.
-    shown, moved_near
-        (H, W) are filled: the pixel's number, row by row, and its inverse depth.
+    shown_near, shown_table, depth_m, shown_id
+        (H, W) are filled: inverse depth in the frame and table of what is shown, its depth then [m], and
+        its object.
     """
     height, width = near.shape
     half = np.float32(0.5)
@@ -112,11 +116,14 @@ def find_shown(
                 at_x, at_y = to_x, to_y
             most = min(widest, width - x, width - at_x)
             count = _alike(near, table_of, at_y, at_x, most, alike)
-            n = near[at_y, at_x]
-            scale = _value(nodes, table_of[at_y, at_x], node, share, n, 2) / n if n > 0 else np.float32(1)
+            n, t = near[at_y, at_x], table_of[at_y, at_x]
+            then = _value(nodes, t, node, share, n, 2)
+            farther = n / then if n > 0 else np.float32(1)
             for k in range(count):
-                shown[y, x + k] = at_y * width + at_x + k
-                moved_near[y, x + k] = near[at_y, at_x + k] * scale
+                shown_near[y, x + k] = near[at_y, at_x + k]
+                depth_m[y, x + k] = farther / near[at_y, at_x + k]
+                shown_table[y, x + k] = t
+                shown_id[y, x + k] = object_id[at_y, at_x + k]
             x += count
 
 
@@ -143,6 +150,8 @@ def _average(
     step_v: int,
     taps: Floats,
     scratch: Floats,
+    least: Single,
+    most: Single,
     out: Floats,
     target: int,
 ) -> None:
@@ -163,6 +172,8 @@ def _average(
         (PHASES + 1, 4) the kernel.
     scratch
         (2, 4) is used.
+    least, most
+        What no average lies beyond.
     """
     half = np.float32(0.5)
     begins, ends = scratch[0], scratch[1]
@@ -193,6 +204,8 @@ def _average(
             k = np.uint64(lane)  # which cannot be counted from the end, as LLVM need not consider
             found[k] += wa * lights[a + k] + wb * lights[b + k] + wc * lights[c + k] + wd * lights[d + k]
         there += slope
+    for lane in range(LANES):
+        found[lane] = min(max(found[lane], least), most)
 
 
 @unaliased
@@ -208,6 +221,8 @@ def average_along(
     nodes: Floats,
     taps: Floats,
     scratch: Floats,
+    least: Single,
+    most: Single,
     out: Floats,
 ) -> None:
     """The mean of an image along the path of each pixel.
@@ -226,6 +241,8 @@ def average_along(
         x and y, at every `spacing` pixels, as polynomials of the inverse depth [px].
     nodes, scratch
         (tables, columns, 3, 4) and (2, 4) are used.
+    least, most
+        The range of the image, which the kernel would overshoot at edges.
     taps
         (PHASES + 1, 4) the kernel at four pixels, by how far the place lies beyond the second.
     widest, alike
@@ -256,7 +273,6 @@ def average_along(
                 step_u, step_v = step_v, step_u
             slope = aside / along if along != 0 else np.float32(0)
             at = (y + margin) * row_step + (x + margin) * channels
-            _average(
-                lights, at, u, v, along, slope, step_u, step_v, taps, scratch, out, (y * width + x) * channels
-            )
+            target = (y * width + x) * channels
+            _average(lights, at, u, v, along, slope, step_u, step_v, taps, scratch, least, most, out, target)
             x += count
