@@ -134,6 +134,7 @@ from .study.record import StudiedCamera as StudiedCamera
 from .study.record import StudyRecord as StudyRecord
 from .study.record import Values as Values
 from .values import PINHOLE as PINHOLE
+from .values import TRUTHS as TRUTHS
 from .values import BrownConrady as BrownConrady
 from .values import Camera as Camera
 from .values import Candidate as Candidate

@@ -28,6 +28,18 @@ def tacos_components() -> list[Component]:
             summary="A room, building or street of your own: glTF, OBJ or PLY, lit, labelled and walked in.",
         ),
         Component(
+            "scene",
+            "recorded",
+            "tacos_worlds.recorded.scene:RecordedScene",
+            summary="A recording of a real camera, as the light that other cameras see.",
+        ),
+        Component(
+            "renderer",
+            "recorded",
+            "tacos_worlds.recorded.renderer:RecordedLight",
+            summary="Light of a recording on the pixels of other cameras, with the noise that it carries.",
+        ),
+        Component(
             "transform",
             "place-tags",
             "tacos_worlds.tags.place_tags:PlaceTags",

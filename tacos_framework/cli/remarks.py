@@ -15,6 +15,7 @@ from tacos_framework.plan.notes import (
     notes_on_worlds,
 )
 from tacos_framework.plan.units import doubts_of_units
+from tacos_framework.simulation import notes_on_shown
 
 SHOWN = 5
 """Doubts that are listed unless all are asked for."""
@@ -40,6 +41,7 @@ def remarks(plan: Plan, *, verbose: bool) -> Iterator[str]:
         *notes_on_constraints(plan),
         *doubts_of_units(plan),
         *notes_on_worlds(plan),
+        *notes_on_shown(plan),
     ):
         yield f"note: {note}"
     for doubted in doubted_parts(plan):

@@ -39,6 +39,14 @@ class SceneBase:
     remarks: tuple[str, ...] = ()
     """Doubts about the files of its world, and statements in them that are not carried out. May open them."""
 
+    absent: tuple[str, ...] = ()
+    """The truth that it does not know, by the names in `TRUTHS`. Tasks that need it are refused."""
+
+    not_shown: Callable[..., Mapping[str, str]] | None = None
+    """``not_shown(rig, *, exposure, sensors, illumination_lux)``: why its light is not that of these
+    cameras, as that of a recording is no finer than its pixels: a word or two -> a sentence. Such a candidate
+    fails before anything is rendered, and ``--check`` says how much of the design space is left."""
+
 
 @runtime_checkable
 class EpisodeStore(Protocol):

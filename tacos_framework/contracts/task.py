@@ -109,6 +109,8 @@ class TaskBase:
     them unless its recipe has other ones; a score without has a margin of 0."""
     depends_on: ClassVar[Mapping[str, Sequence[str]]] = {}
     """The coordinates of the rig (`RigBuilder`) a score depends on, where it does not depend on all."""
+    needs: Collection[str] = ()
+    """The truth it is scored by, by the names in `TRUTHS`."""
     wants: Wanted | None = None
     """The files it works on, into which those that cameras deliver are turned: linear ones; 8 bits that are
     coded for a display; these in grey, one channel. It takes any that come if None."""

@@ -55,13 +55,64 @@ class SensorAt:
             expected = self.sensor.expect(light_cd_m2, camera=self.camera, exposure=self.exposure)
             return checked_samples(self.use, np.asarray(expected, np.float32), light_cd_m2)
 
-    def draw(self, samples_dn: Samples, rng: np.random.Generator, photon_scale: float) -> Samples:
-        """See `tacos_framework.contracts.Sensor.draw`."""
+    def draw(
+        self,
+        samples_dn: Samples,
+        rng: np.random.Generator,
+        photon_scale: float,
+        carried_dn2: NDArray[np.float32] | None = None,
+    ) -> Samples:
+        """See `tacos_framework.contracts.Sensor.draw`.
+
+        Of noise that the samples carry already, `carried_dn2` of variance, only the rest is added.
+        """
         with calling(self.use, doing="draw"):
             drawn = self.sensor.draw(
                 samples_dn, camera=self.camera, exposure=self.exposure, rng=rng, photon_scale=photon_scale
             )
-            return checked_samples(self.use, np.asarray(drawn, np.float32), samples_dn)
+            drawn = checked_samples(self.use, np.asarray(drawn, np.float32), samples_dn)
+            if carried_dn2 is None:
+                return drawn
+            mean_dn, variance_dn2 = self.sensor.moments(
+                samples_dn, camera=self.camera, exposure=self.exposure, photon_scale=photon_scale
+            )
+        return without_carried(drawn, mean_dn, variance_dn2, carried_dn2)
+
+    def carried_dn2(
+        self, light_cd_m2: NDArray[np.float32], noise_cd2_m4: NDArray[np.float32], expected_dn: Samples
+    ) -> NDArray[np.float32]:
+        """Variance in the samples of noise that is in the light already, of the samples' shape [DN^2].
+
+        Parameters
+        ----------
+        noise_cd2_m4
+            See `View.noise_cd2_m4`.
+        """
+        one = np.eye(3, dtype=np.float32) if noise_cd2_m4.shape[-1] == 3 else np.ones((1, 3), np.float32)
+        variance_dn2 = np.zeros_like(expected_dn)
+        for channel, step in enumerate(one):
+            slope = self.expect(light_cd_m2 + step) - expected_dn
+            variance_dn2 += slope**2 * noise_cd2_m4[..., channel : channel + 1]
+        return variance_dn2
+
+
+_SATURATED = 6.0
+"""Samples this many standard deviations from what is expected are so by a full well, and stay."""
+
+
+def without_carried(
+    drawn_dn: Samples, mean_dn: Samples, variance_dn2: Samples, carried_dn2: NDArray[np.float32]
+) -> Samples:
+    """Noisy samples whose noise is smaller by what the expected samples carry already.
+
+    >>> one = np.ones(1, np.float32)
+    >>> without_carried(one * 5, one, one * 16, one * 7).tolist()  # 4 becomes 3: the rest of 16 is 9
+    [4.0]
+    """
+    noise = drawn_dn - mean_dn
+    left = np.clip(1 - carried_dn2 / np.maximum(variance_dn2, np.float32(1e-12)), 0, 1)
+    unsaturated = noise**2 <= _SATURATED**2 * variance_dn2
+    return np.where(unsaturated, mean_dn + noise * np.sqrt(left), drawn_dn).astype(np.float32)
 
 
 def form_files(
@@ -73,6 +124,7 @@ def form_files(
     context: ImageContext,
     draws: EpisodeDraws,
     frame: int,
+    carried_dn2: NDArray[np.float32] | None = None,
 ) -> Samples:
     """The values of a file for the expected samples of one frame.
 
@@ -86,6 +138,8 @@ def form_files(
         Where the pixels lie, and what is known of them.
     frame
         Its number in the episode.
+    carried_dn2
+        Variance of noise that the expected samples carry, as their light was itself recorded [DN^2].
 
     Returns
     -------
@@ -100,7 +154,7 @@ def form_files(
 
     signal = act(chain.pixel, expected_dn)
     rng = draws.rng(frame, "noise", sensor.name, geometry.camera)
-    samples = act(chain.readout, sensor.draw(signal, rng, chain.photon_scale))
+    samples = act(chain.readout, sensor.draw(signal, rng, chain.photon_scale, carried_dn2))
     files = digital(samples, context.white_level_dn)
     return digital(act(chain.files, files), context.white_level_dn) if chain.files else files
 

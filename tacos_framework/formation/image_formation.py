@@ -138,7 +138,10 @@ class ImageFormation:
         files = []
         for i in range(len(capture.episode)):
             try:
-                expected = at.expect(view.luminance_cd_m2[i : i + 1])
+                light = view.luminance_cd_m2[i : i + 1]
+                expected = at.expect(light)
+                noise = view.noise_cd2_m4
+                carried = None if noise is None else at.carried_dn2(light, noise[i : i + 1], expected)
                 made = form_files(
                     expected,
                     chain.for_channels(expected.shape[-1]),
@@ -147,6 +150,7 @@ class ImageFormation:
                     context=replace(at.context, depth_m=view.depth_m[i]),
                     draws=draws,
                     frame=capture.episode.first_frame + i,
+                    carried_dn2=carried,
                 )
             except ContextMissing as missing:
                 raise _unknown(view.camera.name, missing) from missing

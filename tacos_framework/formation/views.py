@@ -17,21 +17,23 @@ from tacos_framework.formation.chain import ActingEffect
 from tacos_framework.formation.checked import checked_samples
 from tacos_framework.formation.draws import EpisodeDraws
 from tacos_framework.plugins.guarded import calling
-from tacos_framework.values import Episode, Exposure, ImageContext, ImageGeometry, View
+from tacos_framework.values import TRUTHS, Episode, Exposure, ImageContext, ImageGeometry, View
 
 
 def light_context(view: View, episode: Episode, exposure: Exposure) -> ImageContext:
     """The context of a rendered view; its middle row is the one that shows the moment of the frame."""
+    known = set(TRUTHS) - set(episode.absent)
+    moves = {"poses", "depth"} <= known
     return ImageContext(
         exposure_s=exposure.time_s,
         gain_db=exposure.gain_db,
         f_number=exposure.f_number,
-        depth_m=view.depth_m,
-        object_id=view.object_id,
-        motion=FrameMotion.of(view, episode) if len(episode) == 1 else None,
+        depth_m=view.depth_m if "depth" in known else None,
+        object_id=view.object_id if "objects" in known else None,
+        motion=FrameMotion.of(view, episode) if moves and len(episode) == 1 else None,
         shutter=view.camera.shutter,
         row_time_us=view.camera.row_time_us,
-        velocity_px_s=partial(image_velocity, view, episode),
+        velocity_px_s=partial(image_velocity, view, episode) if moves else None,
         reference_row=(view.camera.height_px - 1) / 2,
     )
 

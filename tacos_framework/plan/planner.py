@@ -24,6 +24,7 @@ from tacos_framework.plan.findings import RecipeFindings
 from tacos_framework.plan.nodes import find_nodes
 from tacos_framework.plan.plan import Plan
 from tacos_framework.plan.rig import find_rig
+from tacos_framework.plan.shown import check_truth
 from tacos_framework.plan.units import check_image_sizes
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import NamedScenario, Recipe
@@ -58,6 +59,7 @@ def _plan(findings: RecipeFindings) -> Plan | None:
     effects = find_effects(findings)
     if graph is not None and len(nodes) == len(recipe.nodes):
         check_wanted_files(findings, graph, nodes, effects)
+        check_truth(findings, graph, nodes)
     exposure = find_exposure(findings, nodes)
     check_scenarios(findings)
     space = find_space(findings, rig, fixed, nodes, effects, exposure)

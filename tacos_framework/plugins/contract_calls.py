@@ -187,6 +187,7 @@ OPTIONAL_CALLS: Mapping[str, tuple[Call, ...]] = {
         Call("estimate_from", ("captures",)),
     ),
     "rig": (Call("coordinates", ("variables",)),),
+    "scene": (Call("not_shown", ("rig",), ("exposure", "sensors", "illumination_lux")),),
     "sensor": (Call("lacks", ("rig",)),),
     "task": (Call("lacks", ("rig",)), Call("untrained")),
     "optimizer": (Call("recommend", ("count",)), Call("choose", ("finalists",))),

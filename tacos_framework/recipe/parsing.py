@@ -39,6 +39,7 @@ def recipe_from(
     if not isinstance(data, dict):
         form = Fault(document.where(()), "a recipe is a mapping", "keys such as name, rig, design, nodes")
         raise UserError([*document.faults, form])
+    sets = {_of_the_only_node(data, key): value for key, value in sets.items()}
     document, faults = with_overrides(document, sets, effects, places)
     faults += document.faults
     sections: dict[str, Any] = {}
@@ -69,6 +70,21 @@ def recipe_from(
         _, faults, _ = check(Recipe, data, document.where)
     recipe._document = document
     return recipe, document.without_echoes(faults)
+
+
+def _of_the_only_node(data: Mapping[str, Any], key: str) -> str:
+    """A key of ``--set`` that is no section, and that one node alone gives, is the setting of that node.
+
+    >>> _of_the_only_node({"nodes": {"world": {"use": "scene.recorded", "recording": ""}}}, "recording")
+    'nodes.world.recording'
+    """
+    nodes = data.get("nodes")
+    if key in Recipe.model_fields or not isinstance(nodes, Mapping):
+        return key
+    owners = [
+        name for name, node in nodes.items() if isinstance(node, Mapping) and key in node and key != "use"
+    ]
+    return f"nodes.{owners[0]}.{key}" if len(owners) == 1 else key
 
 
 def _annotation(key: str) -> Any:

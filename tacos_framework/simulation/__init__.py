@@ -9,6 +9,7 @@
 ``episodes``        which episode is meant, and its parts
 ``evaluation``      what came out for a candidate
 ``checked_outputs`` light and depth that mean something
+``shown``           candidates beyond what a scene can show
 ``clock``           seconds by name
 ``jobs``            what other processes are asked to do
 ``evaluator``       does jobs, in whatever process it is unpickled
@@ -28,6 +29,7 @@ from tacos_framework.simulation.evaluation import (
 from tacos_framework.simulation.evaluator import Evaluator
 from tacos_framework.simulation.jobs import BuildJob, PrepareJob, SampleJob, ScoreJob
 from tacos_framework.simulation.overrides import overrides_of
+from tacos_framework.simulation.shown import notes_on_shown
 from tacos_framework.simulation.simulation import Simulation, placed
 from tacos_framework.simulation.training import state_key
 
@@ -43,6 +45,7 @@ __all__ = [
     "Simulation",
     "failed_by",
     "merged_evaluation",
+    "notes_on_shown",
     "overrides_of",
     "placed",
     "state_key",

@@ -24,6 +24,7 @@ from tacos_framework.simulation.episodes import EpisodeSpec
 from tacos_framework.simulation.evaluation import Evaluation, failed_by, with_fitness_or_failed
 from tacos_framework.simulation.overrides import SettingOverrides, overrides_of
 from tacos_framework.simulation.scores import score
+from tacos_framework.simulation.shown import not_shown
 from tacos_framework.simulation.training import RenderedFrames, rendered_ahead, train
 from tacos_framework.values import Episode, FrameBatch
 
@@ -145,6 +146,8 @@ class Simulation:
                 ]
             if reason := next(filter(None, reasons), None):
                 raise CandidateFailed(reason)
+        if beyond := not_shown(contexts):
+            raise CandidateFailed("; ".join(beyond.values()))
         for effect in context.formation.effects:
             if callable(optional(effect.cls, EffectBase, "lacks")):
                 with calling(effect.use, doing="lacks"):
@@ -205,6 +208,10 @@ class Simulation:
         for inputs in context.stream(scene, episode, context.draws(spec), [task], wanted=wanted):
             (batch,) = inputs[task].values() if port is None else (inputs[task][port],)
             yield batch
+
+    def not_shown(self, values: Mapping[str, Any]) -> dict[str, str]:
+        """Why a candidate is not what the scenes can show: a word or two -> a sentence."""
+        return not_shown(self._contexts(values, self.plan.rig_variables(values), Clock()))
 
     def frame_count(self, values: Mapping[str, Any], spec: EpisodeSpec) -> int:
         """Number of frames of an episode, which may be fewer than were asked for."""

@@ -19,6 +19,11 @@ _BEYOND_S = 0.1
 """How far a way goes on beyond its ends where it is continued, longer than any exposure in motion [s]."""
 
 
+TRUTHS = ("geometry", "poses", "depth", "objects")
+"""What scenes know beside light, and a recording may not: surfaces that can be drawn, where the agent is, how
+far what it sees is, and what that is."""
+
+
 @dataclass(frozen=True, eq=False)
 class Trajectory:
     """The agent's pose over time, interpolated between keys.
@@ -139,6 +144,8 @@ class Episode:
         What moves while the agent does; everything else stands still.
     first_frame
         Index of frame 0 of this batch in the whole episode.
+    absent
+        The truth that nobody knows of it, by the names in `TRUTHS`; what needs it is refused.
     """
 
     world: World
@@ -148,6 +155,7 @@ class Episode:
     crossings: tuple[Crossing, ...] = ()
     movers: tuple[Mover, ...] = ()
     first_frame: int = 0
+    absent: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         read_only(self, "time_s", np.float64, (None,))

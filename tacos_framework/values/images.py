@@ -30,6 +30,10 @@ class View:
         measures nothing. Infinite where nothing is. A point lies at depth times `camera.pixel_rays`.
     object_id
         (N, H, W) int32 index into `World.objects` at the pixel centre; 0 for the background.
+    noise_cd2_m4
+        (N, H, W, C) float32 variance of the noise in the light, where that was itself recorded: C = 3 for
+        noise of each channel, 1 for noise that all share. Sensors add what theirs exceeds it by
+        [(cd/m2)^2].
     """
 
     camera: Camera
@@ -37,6 +41,7 @@ class View:
     luminance_cd_m2: NDArray[np.float32]
     depth_m: NDArray[np.float32]
     object_id: NDArray[np.int32]
+    noise_cd2_m4: NDArray[np.float32] | None = None
 
     def __post_init__(self) -> None:
         count = len(self.world_from_camera)
@@ -45,6 +50,8 @@ class View:
         read_only(self, "luminance_cd_m2", np.float32, (*size, 3))
         read_only(self, "depth_m", np.float32, size)
         read_only(self, "object_id", np.int32, size)
+        if self.noise_cd2_m4 is not None:
+            read_only(self, "noise_cd2_m4", np.float32, (*size, None))
 
     def frame(self, index: int) -> View:
         """One frame of it, without copying."""
@@ -55,6 +62,7 @@ class View:
             self.luminance_cd_m2[run],
             self.depth_m[run],
             self.object_id[run],
+            None if self.noise_cd2_m4 is None else self.noise_cd2_m4[run],
         )
 
 

@@ -80,6 +80,7 @@ class ObstacleVisibility:
             ge=1,
         )
 
+    needs: ClassVar[tuple[str, ...]] = ("objects",)
     scores: ClassVar[tuple[str, ...]] = ("seen_ratio", "seen_early")
     score_scales: ClassVar[Mapping[str, ScoreScale]] = {"seen_ratio": "share", "seen_early": "share"}
     margins: ClassVar[Mapping[str, float]] = {"seen_ratio": 0.02, "seen_early": 0.02}

@@ -69,6 +69,7 @@ class Sgbm:
         )
 
     wants: ClassVar[Literal["grey"]] = "grey"
+    needs: ClassVar[tuple[str, ...]] = ("depth",)
     scores: ClassVar[tuple[str, ...]] = SCORES
     margins: ClassVar[Mapping[str, float]] = MARGINS
     score_meanings: ClassVar[Mapping[str, str]] = MEANINGS

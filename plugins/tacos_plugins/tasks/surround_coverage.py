@@ -53,6 +53,7 @@ class SurroundCoverage:
             2000, help="For things_seen, photosites with which a thing counts in full.", unit="px", ge=1
         )
 
+    needs: ClassVar[tuple[str, ...]] = ("depth", "objects")
     scores: ClassVar[tuple[str, ...]] = ("covered", "things_seen")
     score_scales: ClassVar[Mapping[str, ScoreScale]] = {"covered": "share", "things_seen": "count"}
     margins: ClassVar[Mapping[str, float]] = {"covered": 0.01, "things_seen": 0.1}

@@ -49,12 +49,7 @@ class Replay:
     @property
     def clipped(self) -> float:
         """Share of the source's samples of which light is unknown, and the target's would not be [1]."""
-        return float(np.mean(self.light_dn >= self._top_dn)) if self.ratio < 1 else 0.0
-
-    @property
-    def _top_dn(self) -> float:
-        response = self.recording.response
-        return float(np.interp(0.995 * self.recording.white_dn, response.code_dn, response.light_dn))
+        return float(np.mean(self.light_dn >= self.recording.top_dn)) if self.ratio < 1 else 0.0
 
     def lacks(self) -> tuple[Lack, ...]:
         """Lacks of the source that bear on this target."""

@@ -17,7 +17,7 @@ from tacos_validation.exposures_replayed.emulation import Lack, Replay
 from tacos_validation.exposures_replayed.findings import SourceFindings, replayed
 from tacos_validation.exposures_replayed.inliers import Detector, inliers_of_pairs
 from tacos_validation.exposures_replayed.pages import page, summary
-from tacos_worlds.recorded.motion import Motion, Shot, shot_of, steps_between
+from tacos_worlds.recorded.motion import Motion, shots_of, steps_between
 from tacos_worlds.recorded.noise import measured_noise
 from tacos_worlds.recorded.reader import read_recording
 from tacos_worlds.recorded.recording import Recording
@@ -89,7 +89,7 @@ class ReplayExposures:
         sources = {}
         for source in wanted:
             period = 1 if conversion is None else 2
-            noise = measured_noise(light[source], mosaic=period)
+            noise = measured_noise(light[source], mosaic=period, top_dn=recording.top_dn)
             exposures = []
             for target in (name for name in light if name != source):
                 replay = Replay(
@@ -146,21 +146,7 @@ def motions_without(
     recording: Recording, light: Mapping[str, NDArray[np.float32]], progress: Progress
 ) -> tuple[dict[str, Motion], float]:
     """For each exposure the motion that all the others show, and where the stamps lie in the exposure."""
-    white_per_ms = float(
-        np.median(
-            [
-                np.quantile(each[:, ::4, ::4], 0.95) / recording.exposures[n].exposure_ms
-                for n, each in light.items()
-            ]
-        )
-    )
-    shots: dict[str, list[Shot]] = {
-        name: [
-            shot_of(frame, stamp_s=float(stamp_s), exposure_ms=frames.exposure_ms, white_per_ms=white_per_ms)
-            for frame, stamp_s in zip(light[name], frames.stamp_s, strict=True)
-        ]
-        for name, frames in recording.exposures.items()
-    }
+    shots = shots_of(recording, light)
     every = steps_between([shot for own in shots.values() for shot in own])
     after_middle = every.stamp_after_middle()
     motions = {}

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+
+from tacos_worlds.recorded.recording import Recording
 
 _SMOOTHED_PX = 16.0
 """Flow is smoothed over this much: parallax of trees stays, errors of single pixels do not [px]."""
@@ -105,6 +107,28 @@ def shot_of(
     even = cv2.GaussianBlur(pairs / np.float32(exposure_ms), (0, 0), 1.2)
     grey = 255 * np.sqrt(np.clip(even / np.float32(white_per_ms), 0, 1))
     return Shot(stamp_s, exposure_ms, grey.astype(np.uint8))
+
+
+def shots_of(recording: Recording, light: Mapping[str, NDArray[np.float32]]) -> dict[str, list[Shot]]:
+    """Every frame of a recording, ready for motion, by exposure.
+
+    Parameters
+    ----------
+    light
+        (N, H, W) of each exposure [DN].
+    """
+    exposures = recording.exposures
+    bright = [
+        np.quantile(each[:, ::4, ::4], 0.95) / exposures[name].exposure_ms for name, each in light.items()
+    ]
+    white_per_ms = float(np.median(bright))
+    return {
+        name: [
+            shot_of(frame, stamp_s=float(stamp_s), exposure_ms=frames.exposure_ms, white_per_ms=white_per_ms)
+            for frame, stamp_s in zip(light[name], frames.stamp_s, strict=True)
+        ]
+        for name, frames in exposures.items()
+    }
 
 
 def steps_between(shots: Sequence[Shot]) -> Steps:

@@ -31,8 +31,15 @@ class LinearNoise:
         return np.asarray(self.floor_dn2 * (1 - ratio**2) + self.slope_dn * (1 - ratio) * signal, np.float32)
 
 
-def measured_noise(light_dn: NDArray[np.float32], *, mosaic: int) -> LinearNoise:
+def measured_noise(light_dn: NDArray[np.float32], *, mosaic: int, top_dn: float) -> LinearNoise:
     """Noise over light of (N, H, W) frames, from the plainest blocks at each brightness.
+
+    Parameters
+    ----------
+    mosaic
+        Period of the colour filters [px].
+    top_dn
+        Light from which on samples are clipped; blocks that reach it are left out [DN].
 
     References
     ----------
@@ -43,9 +50,13 @@ def measured_noise(light_dn: NDArray[np.float32], *, mosaic: int) -> LinearNoise
         for column in range(mosaic):
             plane = light_dn[:, row::mosaic, column::mosaic]
             bend = plane[:, 1:-1, 1:-1] - (plane[:, 1:-1, :-2] + plane[:, 1:-1, 2:]) / 2
-            means.append(_blocks(plane[:, 1:-1, 1:-1]).mean(-1))
-            variances.append((_blocks(np.asarray(bend, np.float32)) ** 2).mean(-1) / 1.5)
+            samples = _blocks(plane[:, 1:-1, 1:-1])
+            whole = samples.max(-1) < top_dn
+            means.append(samples[whole].mean(-1))
+            variances.append((_blocks(np.asarray(bend, np.float32))[whole] ** 2).mean(-1) / 1.5)
     mean, variance = np.concatenate(means), np.concatenate(variances)
+    if not len(mean):
+        return LinearNoise(0.0, 0.0)
     edges = np.unique(np.quantile(mean, np.linspace(0, 0.95, 20)))
     if len(edges) < 3:
         return LinearNoise(max(float(np.quantile(variance, _QUANTILE)), 0.0), 0.0)

@@ -15,7 +15,7 @@ from tacos_files.camera_images import read_frame, usual_bit_depth
 from tacos_framework import Fault, UserError
 from tacos_framework.files import read_csv, read_text
 from tacos_worlds.recorded.recording import ExposedFrames, Recording, green_on_diagonal
-from tacos_worlds.recorded.response import Response, estimated_response, tabled_response
+from tacos_worlds.recorded.response import Response, estimated_response, linear_response, tabled_response
 
 TIMES = "times.csv"
 RESPONSE = "response.txt"
@@ -33,8 +33,15 @@ class _Entry:
     stamp_ns: int
 
 
-def read_recording(folder: str | Path) -> Recording:
+def read_recording(folder: str | Path, *, fewest: int = 2, linear: bool = False) -> Recording:
     """The frames of a folder, by exposure.
+
+    Parameters
+    ----------
+    fewest
+        Exposures that are needed.
+    linear
+        Whether samples are in proportion to light, as those of raw files are.
 
     Raises
     ------
@@ -110,12 +117,16 @@ def read_recording(folder: str | Path) -> Recording:
             faults.append(over)
             bad.add(each.exposure_ms)
     fit = {name: each for name, each in found.items() if each.exposure_ms not in bad}
-    response, origin = _response(path, fit, bits, faults)
+    response: Response | None
+    if linear:
+        response, origin = linear_response((1 << bits) - 1), "The samples are taken to be linear."
+    else:
+        response, origin = _response(path, fit, bits, faults)
     if response is not None:
         for fault, exposure_ms in _brightness(path, fit, response, bits):
             faults.append(fault)
             bad.add(exposure_ms)
-    if entries and len(found) < 2 and not faults:
+    if entries and len(found) < fewest and not faults:
         faults.append(
             Fault(str(path), "holds one exposure", "two or more, so that one can be replayed as another")
         )
@@ -154,13 +165,14 @@ def _entries(path: Path, faults: list[Fault]) -> list[_Entry]:
     for line, cells in lines:
         row = dict(zip(heading, cells, strict=False))
         name, stamp = row.get("file", ""), row.get("taken_ns", "")
-        matched = _NAME.fullmatch(name)
-        if matched is None:
+        exposure_ms = _exposure_ms(name, row.get("exposure_ms", ""))
+        if exposure_ms is None:
             faults.append(
                 Fault(
                     f"{table}:{line}",
-                    f"names {name!r}",
-                    "NNms_K.png: the exposure in milliseconds, and a number",
+                    f"names {name!r} without its exposure",
+                    "NNms_K.png, or a column exposure_ms",
+                    "Without exposures light is unknown: state them, as the camera's driver does.",
                 )
             )
         elif not re.fullmatch(r"\d{1,19}", stamp):
@@ -176,14 +188,23 @@ def _entries(path: Path, faults: list[Fault]) -> list[_Entry]:
                     "Add the frame, or take the line out.",
                 )
             )
-        elif float(matched["ms"].replace("_", ".")) <= 0:
+        elif exposure_ms <= 0:
             faults.append(Fault(f"{table}:{line}", f"names {name}, of no exposure time", "more than 0 ms"))
         else:
-            entries.append(_Entry(name, float(matched["ms"].replace("_", ".")), int(stamp)))
+            entries.append(_Entry(name, exposure_ms, int(stamp)))
     missing = sorted(set(pictures) - {entry.file for entry in entries})
     if missing and entries:
         faults.append(Fault(str(table), f"has no line for {', '.join(missing)}", "a line for each frame"))
     return entries
+
+
+def _exposure_ms(name: str, stated: str) -> float | None:
+    """Exposure of a frame by the table, else by its name; None where neither tells [ms]."""
+    try:
+        return float(stated)
+    except ValueError:
+        named = _NAME.fullmatch(name)
+        return float(named["ms"].replace("_", ".")) if named else None
 
 
 def _faults_of_stamps(path: Path, own: list[_Entry]) -> Iterator[Fault]:
@@ -242,7 +263,10 @@ def _response(
         if not faults:
             faults.append(
                 Fault(
-                    str(path), f"has no {RESPONSE} and one exposure", "one of the two, to know the response"
+                    str(path),
+                    f"has no {RESPONSE} and one exposure",
+                    "one of the two, to know the response",
+                    "Say so where samples are linear.",
                 )
             )
         return None, ""

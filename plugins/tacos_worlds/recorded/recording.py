@@ -10,6 +10,11 @@ from numpy.typing import NDArray
 
 from tacos_worlds.recorded.response import Response
 
+_TOP = 0.99
+"""Share of the largest code from which on samples count as clipped."""
+_MOSAIC = 1.03
+"""Ratio of brightnesses under different colour filters, at least."""
+
 
 @dataclass(frozen=True, eq=False)
 class ExposedFrames:
@@ -63,6 +68,19 @@ class Recording:
     def white_dn(self) -> int:
         """Largest code [DN]."""
         return (1 << self.bits) - 1
+
+    @property
+    def has_mosaic(self) -> bool:
+        """Whether samples of different places in each 2 x 2 differ in brightness, as under colour filters."""
+        brightest = max(self.exposures, key=lambda name: self.exposures[name].exposure_ms)
+        codes = self.exposures[brightest].codes_dn
+        means = [float(codes[:, row::2, column::2].mean()) for row in (0, 1) for column in (0, 1)]
+        return max(means) > _MOSAIC * max(min(means), 1e-6)
+
+    @property
+    def top_dn(self) -> float:
+        """Light from which on samples are clipped [DN]."""
+        return float(np.interp(_TOP * self.white_dn, self.response.code_dn, self.response.light_dn))
 
     def light(self, name: str) -> NDArray[np.float32]:
         """(N, H, W) light of an exposure's frames, linear, in 0..`white_dn` [DN]."""

@@ -32,6 +32,12 @@ class Response:
         return np.rint(found).astype(np.uint16)
 
 
+def linear_response(white_dn: int) -> Response:
+    """That of raw samples."""
+    ends = np.array([0.0, white_dn])
+    return Response(ends, ends)
+
+
 def tabled_response(values: NDArray[np.float64], white_dn: int) -> Response:
     """A response from a table of light at evenly spaced codes, in 0..255.
 

@@ -127,6 +127,7 @@ class FasterRcnn:
 
     Training: ClassVar[type[Settings]] = DetectorTraining
 
+    needs: ClassVar[tuple[str, ...]] = ("objects",)
     scores: ClassVar[tuple[str, ...]] = ("ap50", *(f"ap50_{name}" for name in INDOOR_CLASSES))
     score_scales: ClassVar[Mapping[str, ScoreScale]] = dict.fromkeys(scores, "share")
     margins: ClassVar[Mapping[str, float]] = dict.fromkeys(scores, 0.02)

@@ -56,6 +56,7 @@ class Fiducials:
         refine: bool = setting(True, help="Whether corners are found to a part of a pixel.")
 
     wants: ClassVar[Literal["grey"]] = "grey"
+    needs: ClassVar[tuple[str, ...]] = ("poses", "objects")
     scores: ClassVar[tuple[str, ...]] = ("read", "range_m", "position", "position_error")
     score_scales: ClassVar[Mapping[str, ScoreScale]] = {"read": "share", "position": "share"}
     margins: ClassVar[Mapping[str, float]] = {

@@ -81,6 +81,7 @@ class PsmnetDepth:
 
     Training = PsmnetTraining
 
+    needs: ClassVar[tuple[str, ...]] = ("depth",)
     scores: ClassVar[tuple[str, ...]] = SCORES
     margins: ClassVar[Mapping[str, float]] = MARGINS
     score_meanings: ClassVar[Mapping[str, str]] = MEANINGS

@@ -94,6 +94,7 @@ class VisualOdometry:
         )
 
     wants: ClassVar[Literal["grey"]] = "grey"
+    needs: ClassVar[tuple[str, ...]] = ("poses",)
     scores: ClassVar[tuple[str, ...]] = (
         "rotation",
         "direction",
