@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator
 
+from tacos_framework.contracts import SceneBase, optional
 from tacos_framework.plan import Plan
 from tacos_framework.plan.notes import (
     DoubtedParts,
@@ -15,7 +16,6 @@ from tacos_framework.plan.notes import (
     notes_on_worlds,
 )
 from tacos_framework.plan.units import doubts_of_units
-from tacos_framework.simulation import notes_on_shown
 
 SHOWN = 5
 """Doubts that are listed unless all are asked for."""
@@ -46,6 +46,15 @@ def remarks(plan: Plan, *, verbose: bool) -> Iterator[str]:
         yield f"note: {note}"
     for doubted in doubted_parts(plan):
         yield from _all_of(doubted) if verbose else _first_of(doubted)
+
+
+def notes_on_shown(plan: Plan) -> Iterator[str]:
+    """What a recording answers for; nothing is loaded where no scene can be asked."""
+    scenes = [plan.nodes[name] for name in plan.graph.of_kind("scene")]
+    if any(callable(optional(scene.cls, SceneBase, "not_shown")) for scene in scenes):
+        from tacos_framework import simulation
+
+        yield from simulation.notes_on_shown(plan)
 
 
 def _all_of(doubted: DoubtedParts) -> Iterator[str]:

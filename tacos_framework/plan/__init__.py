@@ -14,6 +14,7 @@
 ``targets``     what a design variable's name says it sets
 ``settable``    whether there is such a setting, and whether it takes the values
 ``other_keys``  where else a setting of a name that is unknown is to be found
+``shown``       truth that renderers and tasks need, and a scene may not know
 ``starting``    settings that are given only as design variables
 ``cameras``     whether the cameras named are those of the rig
 ``camera_fit``  whether sensors and tasks can work with any camera the design may choose

@@ -21,7 +21,9 @@ def check_truth(findings: RecipeFindings, graph: Graph, nodes: Mapping[str, Conf
         absent = tuple(optional(scene.instance, SceneBase, "absent"))
         if node.kind == "renderer" and "geometry" in absent and Episode in node.signature.inputs.values():
             what = f"{part.use} draws surfaces, and {scene.use} has none"
-            findings.add(("nodes", name, "use"), what, "a renderer of recordings", "Use renderer.recorded.")
+            findings.add(
+                ("nodes", name, "use"), what, "a renderer of what it gives", "Choose another renderer."
+            )
         elif node.kind == "task":
             missing = [truth for truth in optional(part.cls, TaskBase, "needs") if truth in absent]
             if missing:

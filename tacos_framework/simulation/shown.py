@@ -49,9 +49,6 @@ def not_shown(contexts: Mapping[str, EvaluationContext]) -> dict[str, str]:
 
 def notes_on_shown(plan: Plan) -> Iterator[str]:
     """How much of the design space recordings answer for, and why not for the rest."""
-    scenes = [plan.nodes[name] for name in plan.graph.of_kind("scene")]
-    if not any(callable(optional(scene.cls, SceneBase, "not_shown")) for scene in scenes):
-        return
     from tacos_framework.simulation.simulation import Simulation  # which asks this module of each candidate
 
     yield from _notes(plan, Simulation(plan))
