@@ -1,4 +1,4 @@
-"""What `make docs` adds to the pages of ``docs``: the navigation, and one page of the API for each subject.
+"""What `make docs` adds to the pages of ``docs``: the navigation, pages of the API and of settings.
 
 A hook of MkDocs (``mkdocs.yml``). The navigation is that of ``docs/index.md``; the API is what the packages
 `tacos_framework`, `tacos_framework.testing` and `tacos` export, so that nothing is listed twice.
@@ -14,6 +14,8 @@ from typing import Any
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
+
+from tacos_plugins.authoring.reference.pages import pages_of_the_site
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -42,14 +44,17 @@ _LINK = re.compile(r"\[(?P<title>[^]]+)\]\((?P<page>[^)#:]+\.md)\)")
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
     """Take the navigation from the index: a tab for each heading, a page for each of its links."""
     config.nav = [{"Home": "index.md"}, *navigation(Path(config.docs_dir, "index.md").read_text("utf-8"))]
+    config.nav[-1]["Look up"] += [{title: page_of(title, "reference")} for title in pages_of_the_site()]
     config.nav.append({"API": [{title: page_of(title)} for title in api_pages()]})
     return config
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Add the pages of the API."""
+    """Add the pages of the API, and those of the reference that the repository leaves to the site."""
     for title, text in api_pages().items():
         files.append(File.generated(config, page_of(title), content=text))
+    for title, write in pages_of_the_site().items():
+        files.append(File.generated(config, page_of(title, "reference"), content=write()))
     return files
 
 
@@ -60,9 +65,9 @@ def navigation(index: str) -> Iterator[dict[str, Any]]:
         yield {heading: [{found["title"]: found["page"]} for found in _LINK.finditer(text)]}
 
 
-def page_of(title: str) -> str:
-    """Where a page of the API lies in the site."""
-    return f"api/{title.lower().replace(' ', '_')}.md"
+def page_of(title: str, folder: str = "api") -> str:
+    """Where a generated page lies in the site."""
+    return f"{folder}/{title.lower().replace(' ', '_')}.md"
 
 
 def api_pages() -> dict[str, str]:

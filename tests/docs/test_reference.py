@@ -10,7 +10,7 @@ import pytest
 from tacos_framework import values
 from tacos_framework.components import KINDS
 from tacos_framework.recipe import Recipe
-from tacos_plugins.authoring.reference.pages import pages
+from tacos_plugins.authoring.reference.pages import default_components, pages, pages_of_the_site
 from tests.docs.pages import ROOT
 
 REFERENCE = ROOT / "docs" / "reference"
@@ -22,6 +22,12 @@ PAGES = pages()
 @pytest.mark.parametrize("name", PAGES)
 def test_generated_page_is_up_to_date(name: str) -> None:
     assert (REFERENCE / name).read_text("utf-8") == PAGES[name](), "run `make docs` and commit what it writes"
+
+
+def test_the_site_describes_every_component_and_every_key() -> None:
+    text = "\n".join(write() for write in pages_of_the_site().values())
+    assert {part.use for part in default_components() if f"\n## {part.use}\n" not in text} == set()
+    assert {key for key in Recipe.model_fields if f"| `{key}` |" not in text} == set()
 
 
 def test_the_recipe_page_names_every_key_at_the_top() -> None:

@@ -1,4 +1,4 @@
-"""``tacos catalog``, ``tacos recipes``, ``tacos schema``, ``tacos completion`` and ``tacos new-plugin``."""
+"""``tacos catalog``, ``tacos recipes``, ``tacos settings``, ``tacos schema``, ``tacos completion`` and ``tacos new-plugin``."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ def commands() -> list[Command]:
     return [
         Command("catalog", "catalogs of parts and cameras", _catalog_arguments, _catalog),
         Command("recipes", "the recipes that ship, and where they lie", _no_arguments, _recipes),
+        Command("settings", "what a component takes and gives, by its name", _settings_arguments, _settings),
         Command("schema", "print the JSON Schema of recipes, for editors", _no_arguments, _schema),
         Command(
             "completion",
@@ -57,6 +58,19 @@ def _recipes(arguments: argparse.Namespace) -> int:
     from tacos_plugins.authoring.recipes import list_recipes
 
     print(list_recipes())
+    return DONE
+
+
+def _settings_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("use", metavar="NAME", help="rig.monocular, task.fiducials, ... or: recipe")
+
+
+def _settings(arguments: argparse.Namespace) -> int:
+    from shutil import get_terminal_size
+
+    from tacos_plugins.authoring.reference.in_terminal import settings_text
+
+    print(settings_text(arguments.use, width=min(get_terminal_size().columns, 110)))
     return DONE
 
 

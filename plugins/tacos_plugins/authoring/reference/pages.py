@@ -10,7 +10,7 @@ import inspect
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from pydantic import BaseModel
 
@@ -31,6 +31,8 @@ from tacos_framework import (
 Schema = Mapping[str, Any]
 
 NOTICE = "<!-- Written by `make docs` from the code; changes here are lost. -->"
+MUST_BE_GIVEN = "must be given"
+_TOO_LONG = "see below"
 _LONGEST_DEFAULT = 60  # characters; the defaults of a longer mapping stand in a table of its own
 _BOUNDS = {
     "exclusiveMinimum": "> {}",
@@ -96,33 +98,59 @@ def _forms_of(schema: Schema) -> Iterator[Schema]:
             yield from _forms_of(member)
 
 
-def settings_table(model: type[BaseModel]) -> str:
-    """The settings of a model and of the models inside it, as Markdown tables."""
+class SettingRow(NamedTuple):
+    """A setting in words; `name` and `default` as they stand in a recipe, no default where it must be given."""
+
+    name: str
+    takes: str
+    default: str
+    unit: str
+    meaning: str
+
+
+def setting_rows(model: type[BaseModel]) -> Iterator[tuple[str, str, list[SettingRow]]]:
+    """The settings of a model, then of each model inside it: its name, what it is, its rows.
+
+    The name of the outer model is empty.
+    """
     schema = model.model_json_schema(by_alias=True)
     models = schema.get("$defs", {})
-    tables = [_table(schema, models)]
+    yield "", "", list(_rows(schema, models))
     for name, nested in models.items():
         if nested.get("properties"):
-            tables.append(f"*{name}*: {_sentence(nested)}\n\n{_table(nested, models)}")
-    return "\n\n".join(tables)
+            yield name, _sentence(nested), list(_rows(nested, models))
+
+
+def _rows(schema: Schema, models: Mapping[str, Schema]) -> Iterator[SettingRow]:
+    required = schema.get("required", ())
+    for name, field in schema.get("properties", {}).items():
+        takes = ", ".join(filter(None, (type_of(field), bounds_of(field))))
+        default = MUST_BE_GIVEN if name in required else _default(field)
+        unit = "" if field.get("unit", "1") == "1" else field["unit"]
+        model = models.get(field.get("$ref", "").rpartition("/")[2], {})
+        yield SettingRow(name, takes, default, unit, _sentence(field) or _sentence(model))
+
+
+def settings_table(model: type[BaseModel]) -> str:
+    """The settings of a model and of the models inside it, as Markdown tables."""
+    return "\n\n".join(
+        f"*{name}*: {says}\n\n{_table(rows)}" if name else _table(rows)
+        for name, says, rows in setting_rows(model)
+    )
 
 
 def _sentence(schema: Schema) -> str:
     return " ".join(str(schema.get("description", "")).partition("\n\n")[0].replace("``", "`").split())
 
 
-def _table(schema: Schema, models: Mapping[str, Schema]) -> str:
-    properties = schema.get("properties", {})
-    if not properties:
+def _table(rows: list[SettingRow]) -> str:
+    if not rows:
         return "No settings."
-    required = schema.get("required", ())
     lines = ["| name | takes | default | unit | meaning |", "| --- | --- | --- | --- | --- |"]
-    for name, field in properties.items():
-        takes = ", ".join(filter(None, (type_of(field), bounds_of(field))))
-        default = "must be given" if name in required else _default(field)
-        unit = "" if field.get("unit", "1") == "1" else field["unit"]
-        model = models.get(field.get("$ref", "").rpartition("/")[2], {})
-        cells = (f"`{name}`", takes, default, unit, _sentence(field) or _sentence(model))
+    for row in rows:
+        quoted = row.default in ("", MUST_BE_GIVEN, _TOO_LONG)
+        default = row.default if quoted else f"`{row.default}`"
+        cells = (f"`{row.name}`", row.takes, default, row.unit, row.meaning)
         lines.append(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |")
     return "\n".join(lines)
 
@@ -132,7 +160,7 @@ def _default(field: Schema) -> str:
     if value in (None, {}, [], ()):
         return ""
     text = json.dumps(value, ensure_ascii=False)
-    return f"`{text}`" if len(text) <= _LONGEST_DEFAULT else "see below"
+    return text if len(text) <= _LONGEST_DEFAULT else _TOO_LONG
 
 
 def settings_page(components: Iterable[Component]) -> str:
@@ -141,27 +169,40 @@ def settings_page(components: Iterable[Component]) -> str:
         "# Settings of the components",
         NOTICE,
         "Every component that ships with tacos-framework: its ports, what it reports, and its settings. "
-        "`tacos plugins` lists those that are installed, others' included.",
+        "`tacos settings NAME` prints the same of any component that is installed, others' included.",
     ]
     for component in components:
-        sections += _component(component)
+        sections += component_page(component)
     return "\n\n".join(sections) + "\n"
 
 
-def _component(component: Component) -> Iterator[str]:
-    cls = component.load()
+def component_page(component: Component) -> Iterator[str]:
+    """What a component takes, gives and is set by: heading, facts and tables."""
     yield f"## {component.use}"
     yield component.summary
-    facts = list(_facts(component.kind, cls))
+    if facts := facts_of(component):
+        yield "\n".join(f"- {fact}" for fact in facts)
+    for title, model in models_of(component):
+        table = settings_table(model)
+        yield f"{title}\n\n{table}" if title else table
+
+
+def facts_of(component: Component) -> list[str]:
+    """Ports, scores, stage, derived quantities and packages of a component."""
+    facts = list(_facts(component.kind, component.load()))
     if component.requires:
         facts.append(f"needs: {', '.join(component.requires)}")
-    if facts:
-        yield "\n".join(f"- {fact}" for fact in facts)
-    yield settings_table(cls.Config)
+    return facts
+
+
+def models_of(component: Component) -> Iterator[tuple[str, type[BaseModel]]]:
+    """The settings of a component, then its variables or further keys, each with its title."""
+    cls = component.load()
+    yield "", cls.Config
     if component.kind == "rig":
-        yield f"Variables, to be designed or fixed:\n\n{settings_table(cls.Variables)}"
+        yield "Variables, to be designed or fixed:", cls.Variables
     if component.kind == "task" and optional(cls, TrainableBase, "Training"):
-        yield f"Further keys of `train:`\n\n{settings_table(cls.Training)}"
+        yield "Further keys of `train:`", cls.Training
 
 
 def _facts(kind: str, cls: type[Any]) -> Iterator[str]:
@@ -203,7 +244,7 @@ def effects_page(components: Iterable[Component]) -> str:
         "# Effects",
         NOTICE,
         "The effects that ship with tacos-framework, in the order in which they act whatever the order of a "
-        "recipe. Bounds and meanings are among the [settings](settings.md); "
+        "recipe. `tacos settings effect.NAME` prints the bounds and meanings of one; "
         "[what effects are](../explanation/effects.md) explains them.",
         "\n".join(lines),
     ]
@@ -256,14 +297,20 @@ def default_components() -> list[Component]:
 
 
 def pages() -> dict[str, Callable[[], str]]:
-    """Each generated page and what writes it: ours, and those that plugins of this distribution offer."""
+    """Each generated page of the repository and what writes it: ours, and those that plugins offer."""
     own: dict[str, Callable[[], str]] = {
-        "settings.md": lambda: settings_page(default_components()),
         "effects.md": lambda: effects_page(default_components()),
-        "recipe_keys.md": recipe_page,
         "hooks.md": hooks_page,
     }
     return own | {page.name: page.write for page in Plugins.discover().offers.reference_pages()}
+
+
+def pages_of_the_site() -> dict[str, Callable[[], str]]:
+    """What writes each page that the site alone has, by its title; `tacos settings` prints the same."""
+    return {
+        "Keys of a recipe": recipe_page,
+        "Settings of the components": lambda: settings_page(default_components()),
+    }
 
 
 def main(folder: Path) -> None:
