@@ -1,4 +1,4 @@
-"""``tacos catalog``, ``tacos recipes``, ``tacos settings``, ``tacos schema``, ``tacos completion`` and ``tacos new-plugin``."""
+"""``tacos catalog``, ``recipes``, ``settings``, ``schema``, ``completion`` and ``new-plugin``."""
 
 from __future__ import annotations
 

@@ -99,7 +99,7 @@ def _forms_of(schema: Schema) -> Iterator[Schema]:
 
 
 class SettingRow(NamedTuple):
-    """A setting in words; `name` and `default` as they stand in a recipe, no default where it must be given."""
+    """A setting in words; `name` and `default` as a recipe has them."""
 
     name: str
     takes: str
