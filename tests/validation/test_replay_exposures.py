@@ -54,14 +54,14 @@ def test_a_folder_without_times_says_what_to_write(tmp_path: Path) -> None:
 
 def test_a_response_is_found_from_exposures_of_one_scene() -> None:
     rng = np.random.default_rng(1)
-    light = np.exp(rng.uniform(np.log(2), np.log(900), 200_000))
+    light = np.exp(rng.uniform(np.log(2), np.log(900), (1, 400, 500)))
     stacks = {
         ms: np.rint(4095 * np.clip(light * ms / 4095, 0, 1) ** 0.5).astype(np.uint16)
         for ms in (1.0, 2.0, 4.0, 8.0)
     }
     found = estimated_response(stacks, 4095)
     inside = slice(25, 243)
-    np.testing.assert_allclose(found.light_dn[inside], 4095 * (found.code_dn[inside] / 4095) ** 2, rtol=0.1)
+    np.testing.assert_allclose(found.light_dn[inside], 4095 * (found.code_dn[inside] / 4095) ** 2, rtol=0.02)
 
 
 def test_blur_along_the_path_is_the_mean_over_the_longer_exposure() -> None:

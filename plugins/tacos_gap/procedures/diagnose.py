@@ -35,6 +35,7 @@ from tacos_gap.attribution import SIMULATIONS
 from tacos_gap.captures import read_captures
 from tacos_gap.captures.processing import traces_of_processing
 from tacos_gap.hypotheses.candidates import candidates
+from tacos_gap.in_use.diagnosis import is_recording
 from tacos_gap.inference.problem import placed
 from tacos_gap.procedures.checks import check_all, check_captures
 from tacos_gap.procedures.progress import Telling
@@ -51,6 +52,7 @@ from tacos_gap.tasks.decision import Question, decide
 from tacos_gap.tasks.recipe_tasks import frozen_plan
 from tacos_plugins.building import build
 from tacos_report.page import write_page
+from tacos_worlds.recorded.reader import read_recording
 
 
 class Diagnose:
@@ -66,7 +68,12 @@ class Diagnose:
     class Config(Settings):
         """Settings of the diagnosis."""
 
-        captures: str = setting("captures", help="Folder of captures.", min_length=1, is_path=True)
+        captures: str = setting(
+            "captures",
+            help="Folder of captures, or a recording at several exposures (times.csv) without a simulation.",
+            min_length=1,
+            is_path=True,
+        )
         without: tuple[str, ...] = setting((), help="Effects that are not to be considered, by name.")
         sensor: Use | None = setting(
             None,
@@ -105,6 +112,9 @@ class Diagnose:
 
     def check(self, *, plugins: Plugins) -> None:
         """Look for faults in everything the settings name: effects, sensor, captures, study and task."""
+        if is_recording(self.config.captures):
+            read_recording(self.config.captures, response="estimated")
+            return
         question = self._question()
         check_all(
             lambda: candidates(plugins, self.config.without),
@@ -118,6 +128,8 @@ class Diagnose:
         self, *, out: Path, seed: int, plugins: Plugins, executor: Executor, progress: Progress, resume: bool
     ) -> Mapping[str, Any]:
         """Diagnose, and write what was found; what is known so far lies in ``so_far.json`` meanwhile."""
+        if is_recording(self.config.captures):
+            return _in_use(self.config.captures, out, progress)
         began = time.monotonic()
         so_far = KeptSoFar(out / "so_far.json", progress)
         considered = candidates(plugins, self.config.without)
@@ -211,6 +223,17 @@ class Diagnose:
             if value != default[name]:
                 words += ["--set", f"{name}={json.dumps(value) if not isinstance(value, str) else value}"]
         return shlex.join([*words, "--seed", str(seed), "--out", "out"])
+
+
+def _in_use(folder: str, out: Path, progress: Progress) -> Mapping[str, Any]:
+    """The diagnosis of a recording, which needs no simulation."""
+    from tacos_gap.in_use.diagnosis import data_and_summary, diagnose_recording
+    from tacos_gap.in_use.page import page as page_in_use
+
+    found = diagnose_recording(folder, progress)
+    replace_file(out / "diagnosis.json", (json.dumps(found.as_data(), indent=1) + "\n").encode())
+    write_page(out / "report.html", page_in_use(found))
+    return data_and_summary(found)
 
 
 LIMITS_SHOWN = 5

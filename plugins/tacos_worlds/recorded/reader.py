@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,8 @@ from tacos_framework import Fault, UserError
 from tacos_framework.files import read_csv, read_text
 from tacos_worlds.recorded.recording import ExposedFrames, Recording, green_on_diagonal
 from tacos_worlds.recorded.response import Response, estimated_response, linear_response, tabled_response
+
+ResponseFrom = Literal["recorded", "linear", "estimated"]
 
 TIMES = "times.csv"
 RESPONSE = "response.txt"
@@ -33,15 +36,16 @@ class _Entry:
     stamp_ns: int
 
 
-def read_recording(folder: str | Path, *, fewest: int = 2, linear: bool = False) -> Recording:
+def read_recording(folder: str | Path, *, fewest: int = 2, response: ResponseFrom = "recorded") -> Recording:
     """The frames of a folder, by exposure.
 
     Parameters
     ----------
     fewest
         Exposures that are needed.
-    linear
-        Whether samples are in proportion to light, as those of raw files are.
+    response
+        ``linear`` where samples are in proportion to light, as those of raw files are; ``estimated`` from the
+        exposures even where the folder states one.
 
     Raises
     ------
@@ -117,27 +121,27 @@ def read_recording(folder: str | Path, *, fewest: int = 2, linear: bool = False)
             faults.append(over)
             bad.add(each.exposure_ms)
     fit = {name: each for name, each in found.items() if each.exposure_ms not in bad}
-    response: Response | None
-    if linear:
-        response, origin = linear_response((1 << bits) - 1), "The samples are taken to be linear."
+    found_response: Response | None
+    if response == "linear":
+        found_response, origin = linear_response((1 << bits) - 1), "The samples are taken to be linear."
     else:
-        response, origin = _response(path, fit, bits, faults)
-    if response is not None:
-        for fault, exposure_ms in _brightness(path, fit, response, bits):
+        found_response, origin = _response(path, fit, bits, faults, told=response == "recorded")
+    if found_response is not None:
+        for fault, exposure_ms in _brightness(path, fit, found_response, bits):
             faults.append(fault)
             bad.add(exposure_ms)
     if entries and len(found) < fewest and not faults:
         faults.append(
             Fault(str(path), "holds one exposure", "two or more, so that one can be replayed as another")
         )
-    if faults or response is None:
+    if faults or found_response is None:
         usable = [each.name for each in found.values() if each.exposure_ms not in bad]
         words = f"Still usable: {', '.join(usable)} ms." if usable else "Nothing of it is usable as it is."
         last = faults[-1]
         faults[-1] = Fault(last.where, last.what, last.expected, f"{last.remedy} {words}".strip())
         raise UserError(faults)
     shown = max(found.values(), key=lambda each: float(np.median(each.codes_dn)))
-    return Recording(found, bits, response, origin, green_on_diagonal(shown.codes_dn[:2]))
+    return Recording(found, bits, found_response, origin, green_on_diagonal(shown.codes_dn[:2]))
 
 
 def _entries(path: Path, faults: list[Fault]) -> list[_Entry]:
@@ -242,10 +246,10 @@ def _overexposed(path: Path, frames: ExposedFrames, bits: int) -> Fault | None:
 
 
 def _response(
-    path: Path, fit: dict[str, ExposedFrames], bits: int, faults: list[Fault]
+    path: Path, fit: dict[str, ExposedFrames], bits: int, faults: list[Fault], *, told: bool
 ) -> tuple[Response | None, str]:
     file, white_dn = path / RESPONSE, (1 << bits) - 1
-    if file.is_file():
+    if told and file.is_file():
         try:
             values = np.array(read_text(file).split(), np.float64)
             return tabled_response(values, white_dn), f"The response is that of {RESPONSE}."
@@ -286,7 +290,7 @@ def _response(
     if fell:
         return None, ""
     stacks = {each.exposure_ms: each.codes_dn for each in fit.values()}
-    said = f"There is no {RESPONSE}: the response was estimated from the exposures themselves."
+    said = "The response was estimated from the exposures themselves."
     return estimated_response(stacks, white_dn), said
 
 

@@ -10,8 +10,11 @@ from numpy.typing import NDArray
 
 _KNOTS = 256
 _QUANTILES = np.linspace(0.005, 0.995, 400)
-_SMOOTHNESS = 30.0
-"""Weight of the second differences of the logarithmic response, as in Debevec and Malik's example."""
+_UNCLIPPED = 0.985
+"""Share of the largest code of a colour up to which it is taken not to be clipped: under a coded response
+each colour has a largest code of its own."""
+_SMOOTHNESS = 10.0
+"""Weight of a change of the exponent from knot to knot, beside logarithms of ratios of light [1]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +58,8 @@ def estimated_response(frames_dn: Mapping[float, NDArray[np.uint16]], white_dn: 
     """The response under which one scene at several exposures has light in proportion to their times.
 
     Brightness ranks alike in all of them, so equal quantiles of their codes are of equal light: motion
-    between the frames does no harm. The logarithm of the response is then a least-squares problem.
+    between the frames does no harm. Places of each 2 x 2 are ranked by themselves, as colours differ. The
+    logarithm of the response is then a least-squares problem.
 
     Parameters
     ----------
@@ -69,18 +73,20 @@ def estimated_response(frames_dn: Mapping[float, NDArray[np.uint16]], white_dn: 
     """
     times = sorted(frames_dn)
     knots_dn = np.linspace(0, white_dn, _KNOTS)
-    levels = {time: np.quantile(frames_dn[time], _QUANTILES) for time in times}
-    low_dn, high_dn = 0.002 * white_dn, 0.985 * white_dn
     rows, wanted = [], []
-    for i, short in enumerate(times):
-        for long in times[i + 1 :]:
-            valid = (levels[short] > low_dn) & (levels[long] < high_dn)
-            for first, second in zip(levels[short][valid], levels[long][valid], strict=True):
-                rows.append(_hat(second, white_dn) - _hat(first, white_dn))
-                wanted.append(np.log(long / short))
-    # Smooth over the logarithm of the code, so that a linear response is no bend.
+    for row, column in ((0, 0), (0, 1), (1, 0), (1, 1)):
+        levels = {t: np.quantile(frames_dn[t][:, row::2, column::2], _QUANTILES) for t in times}
+        low_dn, high_dn = 0.002 * white_dn, _UNCLIPPED * max(level[-1] for level in levels.values())
+        for i, short in enumerate(times):
+            for long in times[i + 1 :]:
+                valid = (levels[short] > low_dn) & (levels[long] < high_dn)
+                for first, second in zip(levels[short][valid], levels[long][valid], strict=True):
+                    rows.append(_hat(second, white_dn) - _hat(first, white_dn))
+                    wanted.append(np.log(long / short))
+    # Smooth in the exponent of a power law, so that neither a linear response nor a gamma is a bend.
     base = np.log(np.maximum(knots_dn, white_dn / _KNOTS / 2))
-    bends = _SMOOTHNESS * np.diff(np.eye(_KNOTS), 2, axis=0)
+    exponents = np.diff(np.eye(_KNOTS), axis=0) / np.diff(base)[:, None]
+    bends = _SMOOTHNESS * np.diff(exponents, axis=0)
     anchor = np.zeros((1, _KNOTS))
     anchor[0, -1] = 1e3
     matrix = np.concatenate([np.array(rows).reshape(-1, _KNOTS), bends, anchor])

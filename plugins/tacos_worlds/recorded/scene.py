@@ -86,9 +86,10 @@ class RecordedScene:
         recording: str = setting(
             "recording", help="Folder of the frames, with times.csv.", min_length=1, is_path=True
         )
-        response: Literal["recorded", "linear"] = setting(
+        response: Literal["recorded", "linear", "estimated"] = setting(
             "recorded",
-            help="linear for raw samples; else that of response.txt, or estimated from several exposures.",
+            help="That of response.txt where there is one, else estimated from several exposures; linear "
+            "for raw samples.",
         )
         mosaic: Literal["auto", "RG", "GR", "BG", "GB", "none"] = setting(
             "auto",
@@ -219,7 +220,7 @@ def _opened(config: RecordedScene.Config) -> tuple[Source, Camera]:
     """Light and camera of a recording, read once for all candidates."""
     from tacos_worlds.recorded.reader import read_recording
 
-    recording = read_recording(config.recording, fewest=1, linear=config.response == "linear")
+    recording = read_recording(config.recording, fewest=1, response=config.response)
     mosaic: str = config.mosaic
     if mosaic == "auto":
         coloured = "GR" if recording.green_on_diagonal else "RG"

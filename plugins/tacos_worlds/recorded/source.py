@@ -53,6 +53,17 @@ class Source:
         recording = self.recording
         return {name: recording.light(name) - np.float32(self.black_dn) for name in recording.exposures}
 
+    def samples(self, name: str, index: int) -> Light:
+        """(H, W) linear samples of a frame, as its photosites lie [DN]."""
+        return self._lights[name][index]
+
+    @property
+    def greens(self) -> tuple[tuple[int, int], ...]:
+        """(row, column) of the green samples of a cell; of the only one where there is no mosaic."""
+        if self.mosaic == 1:
+            return ((0, 0),)
+        return ((0, 0), (1, 1)) if self.recording.green_on_diagonal else ((0, 1), (1, 0))
+
     @cached_property
     def size_px(self) -> tuple[int, int]:
         """(height, width) of its light [px]."""
@@ -104,7 +115,7 @@ class Source:
         """(H, W, C) light of a frame over an exposure no shorter than its own [DN/ms]."""
         frames = self.recording.exposures[name]
         samples = self._lights[name][index]
-        if exposure_ms > frames.exposure_ms * 1.01 and (motion := self._motion) is not None:
+        if exposure_ms > frames.exposure_ms * 1.01 and (motion := self.motion) is not None:
             from tacos_worlds.recorded.motion import blurred
 
             samples = blurred(
@@ -144,18 +155,18 @@ class Source:
         """Middle of the exposure of a frame, from the first stamp of the recording [s]."""
         frames = self.recording.exposures[name]
         alone = len(self.recording.exposures) == 1
-        after = 0.0 if alone or self._motion is None else self._motion[1]
+        after = 0.0 if alone or self.motion is None else self.motion[1]
         return float(frames.stamp_s[index] - after * frames.exposure_ms * 1e-3)
 
     def moved_px(self, duration_ms: float) -> float:
         """How far nine tenths of the image move at most in a time, at the usual moment [px of the light]."""
-        if self._motion is None:
+        if self.motion is None:
             return 0.0
-        speed = np.linalg.norm(self._motion[0].velocity_px_s[:, ::8, ::8], axis=-1)
+        speed = np.linalg.norm(self.motion[0].velocity_px_s[:, ::8, ::8], axis=-1)
         return float(np.median(np.quantile(speed, 0.9, axis=(1, 2)))) * duration_ms * 1e-3 / self.mosaic
 
     @cached_property
-    def _motion(self) -> tuple[Motion, float] | None:
+    def motion(self) -> tuple[Motion, float] | None:
         """Of the image, and where stamps lie in exposures; None for a single frame."""
         from tacos_worlds.recorded.motion import shots_of, steps_between
 

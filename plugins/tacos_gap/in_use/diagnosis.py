@@ -1,0 +1,188 @@
+"""Response and motion of a camera in use, from a recording at several exposures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tacos_framework import Progress
+from tacos_gap.in_use.detail import detail_of
+from tacos_gap.in_use.motion import MotionBlur, motion_blur
+from tacos_worlds.recorded.reader import TIMES, read_recording
+from tacos_worlds.recorded.recording import ExposedFrames, Recording
+from tacos_worlds.recorded.response import Response, estimated_response
+from tacos_worlds.recorded.source import Source
+
+MOTION = "effect.motion-blur"
+_QUIET = 0.4
+"""Share of the frames of an exposure that the response is found in, those in which the image moves least."""
+_FEWEST_QUIET = 2
+_SHORTER = 4.0
+"""An exposure is set beside one that is shorter by this factor, so that its motion hardly shows there."""
+
+
+@dataclass(frozen=True, eq=False)
+class InUse:
+    """What a recording tells of its camera.
+
+    Parameters
+    ----------
+    response
+        From codes to light, as the exposures have it.
+    response_error
+        (K,) relative error of light at its codes: half of what two halves of the frames differ by [1].
+    blurs
+        For each exposure but the shortest.
+    """
+
+    response: Response
+    response_error: NDArray[np.float64]
+    blurs: tuple[MotionBlur, ...]
+
+    @property
+    def causes_in_motion(self) -> dict[str, list[str]]:
+        """Effects named in frames in motion, by exposure."""
+        return {f"{blur.exposure_ms:g}": [MOTION] if blur.present else [] for blur in self.blurs}
+
+    @property
+    def causes_at_rest(self) -> dict[str, list[str]]:
+        """Effects named in frames at rest, by exposure."""
+        unsteady = {f"{b.exposure_ms:g}": b.rest is not None and b.rest[0] > b.rest[1] for b in self.blurs}
+        return {name: ["unsteady detail"] if found else [] for name, found in unsteady.items()}
+
+    @property
+    def not_separated(self) -> list[list[str]]:
+        """Sets of causes that these frames cannot tell apart."""
+        return [["motion blur", "rolling shutter"]] if any(blur.present for blur in self.blurs) else []
+
+    @property
+    def next_picture(self) -> str:
+        """What to record next."""
+        if self.not_separated:
+            return "Pan evenly past a vertical edge: rows read one after the other slant it, blur does not."
+        if all(blur.share is None for blur in self.blurs):
+            return (
+                "Record the same scene in faster motion, at rest before: so far nothing moves enough to tell."
+            )
+        return ""
+
+    def as_data(self) -> dict[str, Any]:
+        """For ``diagnosis.json``."""
+        return {
+            "response": {
+                "code_dn": self.response.code_dn.tolist(),
+                "light_dn": self.response.light_dn.tolist(),
+                "relative_error": self.response_error.tolist(),
+            },
+            "exposures": [{**vars(blur), "present": blur.present} for blur in self.blurs],
+            "causes": [
+                {"effect": MOTION, "exposure_ms": b.exposure_ms, "share": b.share, "path_px": b.path_px}
+                for b in sorted(self.blurs, key=lambda blur: -blur.path_px)
+                if b.present
+            ],
+            "at_rest": self.causes_at_rest,
+            "in_motion": self.causes_in_motion,
+            "not_separated": self.not_separated,
+            "next_picture": self.next_picture,
+        }
+
+
+def is_recording(folder: str | Path) -> bool:
+    """Whether a folder holds a recording rather than captures beside their simulation."""
+    path = Path(folder)
+    return (path / TIMES).is_file() and not (path / "captures.yaml").is_file()
+
+
+def diagnose_recording(folder: str | Path, progress: Progress) -> InUse:
+    """What the frames of a moving camera tell of it; a response that the folder states is not looked at.
+
+    Raises
+    ------
+    UserError
+        With all that is wrong with the folder.
+    """
+    progress.phase("Finding the response", None)
+    recording = read_recording(folder, response="estimated")
+    quiet = _quietest(recording)
+    recording = replace(recording, response=_response(quiet, slice(None)))
+    halves = [_response(quiet, slice(first, None, 2)) for first in (0, 1)]
+    apart = np.log(halves[0].light_dn[1:] / halves[1].light_dn[1:])
+    apart -= np.median(apart)
+    error = np.abs(np.concatenate([apart[:1], apart])) / 2
+    source = Source(recording, _mosaic(recording))
+    exposures = recording.exposures
+    longest_ms = max(each.exposure_ms for each in exposures.values())
+    progress.phase("Following the image", len(exposures) - 1)
+    blurs = []
+    for name, frames in list(exposures.items())[1:]:
+        reference = [
+            n for n, e in exposures.items() if e.exposure_ms <= frames.exposure_ms / _SHORTER * 1.001
+        ]
+        beside = reference[-1] if reference else next(iter(exposures))
+        details = [
+            detail
+            for index in range(len(frames.stamp_s))
+            if source.motion is not None
+            and (detail := detail_of(source, source.motion[0], name, index, beside)) is not None
+        ]
+        blurs.append(motion_blur(frames.exposure_ms, longest_ms, details))
+        progress.step(f"{name} ms")
+    return InUse(recording.response, error, tuple(blurs))
+
+
+def _quietest(recording: Recording) -> Recording:
+    """The frames of each exposure in which the image moves least: blur changes how brightness is spread."""
+    source = Source(recording, _mosaic(recording))
+    if source.motion is None:
+        return recording
+    kept = {}
+    for name, frames in recording.exposures.items():
+        middles_s = [source.middle_s(name, i) for i in range(len(frames.stamp_s))]
+        speeds = [float(np.linalg.norm(source.motion[0].at(s), axis=-1).mean()) for s in middles_s]
+        count = max(_FEWEST_QUIET, round(_QUIET * len(speeds)))
+        chosen = np.sort(np.argsort(speeds, kind="stable")[:count])
+        kept[name] = ExposedFrames(frames.exposure_ms, frames.stamp_s[chosen], frames.codes_dn[chosen])
+    return replace(recording, exposures=kept)
+
+
+def _mosaic(recording: Recording) -> int:
+    return 2 if recording.has_mosaic else 1
+
+
+def _response(recording: Recording, chosen: slice) -> Response:
+    stacks = {each.exposure_ms: each.codes_dn[chosen] for each in recording.exposures.values()}
+    return estimated_response(stacks, recording.white_dn)
+
+
+def in_words(found: InUse) -> str:
+    """What was found, a line for each exposure."""
+    middle = found.response_error[13:-13]
+    lines = [
+        f"Response found from the exposures, light within {np.max(middle):.1%} from 5 to 95 % of the codes."
+    ]
+    lines += [_of_blur(blur) for blur in found.blurs]
+    named = [name for causes in found.causes_at_rest.values() for name in causes]
+    lines.append(f"At rest: {', '.join(named) or 'nothing'} named.")
+    lines += [f"Not to be told apart: {' and '.join(each)}." for each in found.not_separated]
+    return "\n".join([*lines, found.next_picture]).strip()
+
+
+def _of_blur(blur: MotionBlur) -> str:
+    where = f"{blur.exposure_ms:g} ms: {blur.frames_at_rest} frames at rest, {blur.frames_moving} in motion"
+    if blur.share is None or blur.interval is None:
+        return f"{where}; too little motion to tell."
+    low, high = blur.interval
+    share = (
+        f"{blur.share:.2f} ({low:.2f} to {high:.2f}) of the blur that a path of {blur.path_px:.1f} px makes"
+    )
+    return f"{where}; {'motion' if blur.present else 'nothing'} named: {share}."
+
+
+def data_and_summary(found: InUse) -> Mapping[str, Any]:
+    """The result of the procedure."""
+    return {"diagnosis": found.as_data(), "summary": in_words(found)}
