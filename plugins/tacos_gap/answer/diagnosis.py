@@ -17,13 +17,13 @@ from tacos_gap.answer.findings import LEAST_PRESENT, Cause, Diagnosis, SoFar
 from tacos_gap.answer.next_capture import best_capture
 from tacos_gap.answer.transfer import of_each_capture, of_one_specimen
 from tacos_gap.answer.undiagnosed import nothing_measured
-from tacos_gap.attribution import SIMULATIONS, Attribution, ForwardSelection
+from tacos_gap.attribution import Attribution, ForwardSelection, affordable_simulations
 from tacos_gap.attribution.held_out import HeldOut, held_out
 from tacos_gap.attribution.negative_control import negative_control
 from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.captures.coverage import beyond_even_fields, beyond_own_edges
 from tacos_gap.captures.even_light import with_even_light
-from tacos_gap.captures.large import ENOUGH_PIXELS, left_out, measured_part, part_of
+from tacos_gap.captures.large import enough_pixels, left_out, measured_part, part_of
 from tacos_gap.captures.mean_of_files import without_clipped_expectation
 from tacos_gap.captures.sharp_edges import with_sharp_edges
 from tacos_gap.evidence import Evidence, ImageEvidence
@@ -60,7 +60,7 @@ def diagnose(
     seed: int = 0,
     workers: int = 2,
     notify: Notify | None = None,
-    simulations: int = SIMULATIONS,
+    simulations: int | None = None,
     keep: Callable[[SoFar], None] | None = None,
     begun: Sequence[KeptTerm] = (),
 ) -> Diagnosis:
@@ -79,7 +79,8 @@ def diagnose(
     notify
         Told what is being done.
     simulations
-        Those of all captures after which no further effect is looked for.
+        Those of all captures after which no further effect is looked for; by default as many as take about a
+        minute of processor time.
     keep
         Given what is known so far, first what arithmetic tells, then each explanation that is found.
     begun
@@ -108,11 +109,12 @@ def diagnose(
     if not any(each.labels for each in evidence) or all(map(is_cut_off, folder.captures)):
         raise nothing_measured(folder, limitations)
     problem = Problem(evidence, workers)
+    affordable = simulations or affordable_simulations(evidence)
     while True:
         try:
             looked_for = considered.excluding(excluded(told))
             terms = kept_terms(begun, looked_for) or seen_terms(told, looked_for)
-            search = ForwardSelection(problem, looked_for, workers, tell, simulations, terms, kept)
+            search = ForwardSelection(problem, looked_for, workers, tell, affordable, terms, kept)
             found = _explained(search, folder.captures, considered.effects, seed, workers, tell)
         except Exception as error:
             culprit = culprit_of(error)
@@ -157,6 +159,7 @@ def _explained(
         causes = [c for c in causes if c.shapley >= LEAST_BESIDE_UNKNOWN or c.is_proven]
     gaps = resampled_gaps(problem, np.stack([problem.null, held.left]), generator(seed, "closure"))
     before, after = gaps[:, 0].tolist()
+    left = left.beside(after) if causes else left
     closed = Share.of([closure(*each) for each in gaps.T.tolist()])
     places = locate(problem, problem.null)
     if places and not best.hypothesis:  # what survives the false-discovery rate is a gap, however small
@@ -228,8 +231,9 @@ def _nuisances(problem: Problem, best: Fitted) -> dict[str, dict[str, Any]]:
 def gather(folder: CaptureFolder, seed: int, workers: int = 1) -> tuple[list[Evidence], list[str]]:
     """Evidence of every capture that bears on anything, and why others do not."""
     captures = boards_found(folder).captures
+    enough = enough_pixels(captures)
     with ThreadPoolExecutor(workers) as pool:
-        pictures = list(pool.map(lambda capture: _evidence_of(capture, seed), captures))
+        pictures = list(pool.map(lambda capture: _evidence_of(capture, seed, enough), captures))
     images = [each for each in pictures if isinstance(each, ImageEvidence)]
     boards = evidence_of_boards([capture for capture in captures if capture.corners is not None], seed)
     said = [each for each in pictures if isinstance(each, str)]
@@ -247,19 +251,19 @@ def _not_taken(evidence: ImageEvidence) -> str:
     return f"{evidence.capture.id}: not compared, as some simulations gave no number: {listed}."
 
 
-def _evidence_of(capture: RealCapture, seed: int) -> ImageEvidence | str | None:
+def _evidence_of(capture: RealCapture, seed: int, enough: int) -> ImageEvidence | str | None:
     """The evidence of a picture, or in a sentence why there is none; None of boards.
 
     What is raised names the capture.
     """
     try:
-        return _measured(capture, seed)
+        return _measured(capture, seed, enough)
     except Exception as error:
         error.add_note(f"while measuring the capture {capture.id!r}")
         raise
 
 
-def _measured(capture: RealCapture, seed: int) -> ImageEvidence | str | None:
+def _measured(capture: RealCapture, seed: int, enough: int) -> ImageEvidence | str | None:
     if capture.kind == "board":
         return None
     if (reason := nothing_seen(capture)) is not None:
@@ -271,10 +275,10 @@ def _measured(capture: RealCapture, seed: int) -> ImageEvidence | str | None:
     capture = without_clipped_expectation(capture)
     if not capture.valid.any():
         return f"{capture.id}: white has cut off the files that its expectation is a mean of; it is left out."
-    if (part := measured_part(capture)) is not None:
+    if (part := measured_part(capture, enough)) is not None:
         capture = part_of(capture, part)
     capture = with_even_light(capture)
-    return ImageEvidence(capture.of_at_most(ENOUGH_PIXELS), seed).renuisanced(())
+    return ImageEvidence(capture.of_at_most(enough), seed).renuisanced(())
 
 
 def _verdict(causes: Sequence[Cause], before: float, after: float, left: Unexplained) -> str:

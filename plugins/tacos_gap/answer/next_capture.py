@@ -82,8 +82,9 @@ def best_capture(
     template = next((c for c in captures if c.expected_dn is not None), None)
     for a, b in combinations(hypotheses, 2):
         effects = [placed(hypothesis) for hypothesis in (a, b)]
-        both = [effect for group in effects for effect in group]
-        if any(source_of(effect, captures[0].geometry) is not None for effect in both):
+        names = {term.name for term in a} ^ {term.name for term in b}
+        differing = placed(tuple(term for term in (*a, *b) if term.name in names))
+        if any(source_of(effect, captures[0].geometry) is not None for effect in differing):
             return NextCapture("board", _WHY["board"])  # the only one whose pose need not be known
         if template is None:
             continue

@@ -20,7 +20,7 @@ from tacos_gap.attribution.selection_rule import (
     shows,
 )
 from tacos_gap.attribution.shortlist import shortlist
-from tacos_gap.evidence import ReplicateResiduals
+from tacos_gap.evidence import Evidence, ImageEvidence, ReplicateResiduals
 from tacos_gap.hypotheses.parameters import HypothesisTerm
 from tacos_gap.inference.alternative_guesses import in_its_best_form
 from tacos_gap.inference.codec import codec_of_files
@@ -44,6 +44,10 @@ SIMULATIONS = 2000
 """Simulations of all captures after which no further effect is looked for. What has a good explanation mostly
 takes some hundred; a longer search adds effect to effect that each fit a bit of what none explains."""
 
+LEAST_SIMULATIONS = 200
+AFFORDABLE_SAMPLES = 300_000_000
+"""Samples that all these simulations may have, of large folders too: a minute of processor time or less."""
+
 LEAST_SHARE = 0.001
 """What one more parameter must gain, a third of the penalty aside, over what all have gained."""
 
@@ -64,6 +68,12 @@ SCREENING_FRACTION = 0.25
 """Screening score, over the complexity penalty, above which an effect is fitted beside others."""
 
 Notify = Callable[[str], None]
+
+
+def affordable_simulations(evidence: Sequence[Evidence]) -> int:
+    """How many simulations of all captures are made before no further effect is looked for."""
+    samples = sum(each.capture.real_dn.size for each in evidence if isinstance(each, ImageEvidence))
+    return min(SIMULATIONS, max(LEAST_SIMULATIONS, AFFORDABLE_SAMPLES // max(samples, 1)))
 
 
 class Rounds:

@@ -1,7 +1,8 @@
-"""Captures of many megapixels: a part of each frame is measured, where it shows most."""
+"""Captures of many pixels, or many captures: a part of each frame is measured, where it shows most."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -11,11 +12,16 @@ from numpy.typing import NDArray
 
 from tacos_gap.captures.capture import RealCapture
 
-MANY_PIXELS = 1_500_000
-"""Pixels of a frame beyond which a part of it is measured: every trial of an effect simulates them all."""
+ENOUGH_PIXELS, LEAST_PIXELS = 500_000, 40_000
+"""Pixels of a capture that are measured at most, and at least where there are so many: more tell little that
+the first do not, and less than the second little at all. Repeated frames count, too."""
 
-ENOUGH_PIXELS = 500_000
-"""Pixels of that part, and of repeated frames in all: more tell little that these do not."""
+ENOUGH_SAMPLES = 1_200_000
+"""Samples of all captures, colour by colour, that are measured: every trial of an effect simulates them all,
+in a tenth of a microsecond of processor time each, and a search takes some hundred trials."""
+
+NEARLY_ALL = 1.5
+"""A part is measured of frames so many times as large as what is enough: less would save little."""
 
 GRID_PX = 16
 """Parts begin and end with the blocks of codecs, and with whole cells of mosaics."""
@@ -24,20 +30,27 @@ Part = tuple[slice, slice]
 """Rows and columns."""
 
 
-def measured_part(capture: RealCapture) -> Part | None:
+def enough_pixels(captures: Sequence[RealCapture]) -> int:
+    """Pixels of each capture that are measured, so that all of them take no longer than `ENOUGH_SAMPLES`."""
+    channels = sum(capture.real_dn.shape[-1] for capture in captures if capture.kind != "board")
+    return int(np.clip(ENOUGH_SAMPLES // max(channels, 1), LEAST_PIXELS, ENOUGH_PIXELS))
+
+
+def measured_part(capture: RealCapture, enough: int = ENOUGH_PIXELS) -> Part | None:
     """The part of a capture that is measured; None where that is all of it.
 
     A band along the longer side, so that what depends on the radius is seen as far out as that: through the
     middle, or where edges are of a capture that shows some. Of a chart all of its patches.
     """
     height, width = capture.valid.shape
-    if height * width <= MANY_PIXELS or capture.expected_dn is None:
+    frames = min(capture.frames, 2)  # two are kept, see `RealCapture.of_at_most`
+    if height * width * frames <= NEARLY_ALL * enough or capture.expected_dn is None:
         return None
     if capture.patches is not None:
         return _around(capture.patches[0], height, width)
     upright = height > width
     along, across = (height, width) if upright else (width, height)
-    size = max(GRID_PX, ENOUGH_PIXELS // along // GRID_PX * GRID_PX)
+    size = max(GRID_PX, enough // frames // along // GRID_PX * GRID_PX)
     start = _where_most_is_shown(_shown(capture).sum(axis=0 if upright else 1, dtype=np.float64), size)
     band = slice(start, min(start + size, across))
     return (slice(0, height), band) if upright else (band, slice(0, width))

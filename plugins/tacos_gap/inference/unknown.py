@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +17,19 @@ CERTAIN = 0.1
 """Shares of the squared gap left: up to the first nothing is unknown, from the second on something certainly
 is."""
 
+LARGE_REST = (2.5, 5.0)
+"""What is left [noise floor]: up to the first nothing need be said of it, from the second on something is
+named as left, however large a share of a very large gap was explained."""
+
 MOST_OF_ONE = 0.9
 """Share of the squared gap that one statistic counts for at most where others differ, too: one that hardly
 varies, as of darks without a pedestal, says little of what else there is."""
 
 SIGNIFICANT = 0.05
 """p-value of the most extreme statistic below which something is left."""
+
+NAMED = 0.1
+"""Score above which the statistic that holds most of what is left is named."""
 
 SLACK = 1.25
 """What a right model of a real camera may leave: its formulas are not the camera's own [noise floor]."""
@@ -48,6 +55,8 @@ class Unexplained:
         What is left of the squared gap above the noise floor, over what there was.
     where
         Statistic that holds most of it; None where nothing is left.
+    worst
+        Statistic that holds most of what differs, however little; None of no evidence.
     by_stage, by_capture
         The score for the statistics of a stage, or of a capture, alone.
     negligible
@@ -63,11 +72,20 @@ class Unexplained:
     by_stage: Mapping[str, float] = field(default_factory=dict)
     by_capture: Mapping[str, float] = field(default_factory=dict)
     negligible: bool = False
+    worst: str | None = None
 
     @property
     def is_significant(self) -> bool:
         """Whether anything is left to explain."""
         return self.p_value < SIGNIFICANT and not self.negligible
+
+    def beside(self, after: float) -> Unexplained:
+        """With a rest of so many noise floors named where that is large by itself.
+
+        It keeps an answer from being called whole, and takes nothing from effects that explain most of a gap.
+        """
+        score = max(self.score, round(_on_ramp(after, *LARGE_REST), 3))
+        return replace(self, score=score, where=self.worst if score > NAMED else None)
 
 
 def unexplained(problem: Problem, residuals: ReplicateResiduals) -> Unexplained:
@@ -95,10 +113,11 @@ def unexplained(problem: Problem, residuals: ReplicateResiduals) -> Unexplained:
         p_value,
         _rms(z) / size,
         round(share, 4),
-        names[worst][1] if score > 0.1 else None,
+        names[worst][1] if score > NAMED else None,
         part.by([stages[k] for k in range(len(names))]),
         part.by([capture for capture, _ in names]),
         negligible=not np.any(significant & (own > np.bincount(blocks, minlength=len(names)))),
+        worst=names[worst][1] if names else None,
     )
 
 
@@ -168,7 +187,11 @@ class _PartwiseDoubt:
 
 
 def _doubt(share: float) -> float:
-    return float(np.clip((share - TOLERATED) / (CERTAIN - TOLERATED), 0.0, 1.0))
+    return _on_ramp(share, TOLERATED, CERTAIN)
+
+
+def _on_ramp(value: float, low: float, high: float) -> float:
+    return float(np.clip((value - low) / (high - low), 0.0, 1.0))
 
 
 def _rms(z: NDArray[np.float64]) -> float:

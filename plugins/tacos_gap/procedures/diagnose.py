@@ -31,7 +31,6 @@ from tacos_gap.answer.diagnosis import diagnose
 from tacos_gap.answer.findings import Diagnosis, Parameter
 from tacos_gap.answer.transfer import Photographed, patch, patched
 from tacos_gap.answer.undiagnosed import NothingMeasured, undiagnosed_data
-from tacos_gap.attribution import SIMULATIONS
 from tacos_gap.captures import read_captures
 from tacos_gap.captures.processing import traces_of_processing
 from tacos_gap.hypotheses.candidates import candidates
@@ -81,9 +80,10 @@ class Diagnose:
             "noise that captures.yaml states.",
         )
         workers: int = setting(2, help="Threads.", ge=1)
-        simulations: int = setting(
-            SIMULATIONS,
-            help="Simulations of all captures after which no further effect is looked for.",
+        simulations: int | None = setting(
+            None,
+            help="Simulations of all captures after which no further effect is looked for; by default as "
+            "many as take about a minute of processor time.",
             ge=1,
         )
         study: str = setting(

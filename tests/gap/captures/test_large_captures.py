@@ -12,7 +12,16 @@ from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_gap.answer.diagnosis import gather
 from tacos_gap.captures import CaptureFolder
 from tacos_gap.captures.capture import Noise, RealCapture
-from tacos_gap.captures.large import ENOUGH_PIXELS, GRID_PX, left_out, measured_part, part_of
+from tacos_gap.captures.large import (
+    ENOUGH_PIXELS,
+    ENOUGH_SAMPLES,
+    GRID_PX,
+    LEAST_PIXELS,
+    enough_pixels,
+    left_out,
+    measured_part,
+    part_of,
+)
 from tacos_gap.simulation.formation import simulate
 from tacos_plugins.effects.vignetting import Vignetting
 
@@ -35,7 +44,7 @@ def capture(height: int, width: int, kind: str = "flat", **given) -> RealCapture
 
 
 def test_a_frame_of_ordinary_size_is_measured_whole():
-    assert measured_part(capture(960, 1280)) is None
+    assert measured_part(capture(720, 960)) is None
 
 
 @pytest.mark.parametrize(("height", "width"), [(3000, 4000), (4000, 3000), (1225, 1633)])
@@ -47,6 +56,19 @@ def test_of_a_large_one_a_band_along_its_longer_side_on_the_grid_of_codecs(heigh
     assert rows.start % GRID_PX == columns.start % GRID_PX == 0
     middle = (rows.start + rows.stop) / 2, (columns.start + columns.stop) / 2
     assert middle == pytest.approx((height / 2, width / 2), abs=GRID_PX)
+
+
+def test_many_captures_share_the_samples_that_are_measured():
+    grey = [capture(240, 320)] * 92
+    assert enough_pixels(grey[:1]) == ENOUGH_PIXELS
+    assert enough_pixels(grey) == LEAST_PIXELS
+    few = [capture(480, 640)] * 6
+    part = measured_part(few[0], enough_pixels(few))
+    seen = part_of(few[0], part).valid.size
+    assert 0.8 * ENOUGH_SAMPLES < 6 * seen <= ENOUGH_SAMPLES
+    repeated = replace(few[0], real_dn=np.repeat(few[0].real_dn, 2, axis=0))
+    halved = part_of(repeated, measured_part(repeated, enough_pixels(few)))
+    assert halved.valid.size == pytest.approx(seen / 2, rel=0.1)
 
 
 def test_a_band_lies_where_a_picture_shows_edges():
@@ -106,7 +128,7 @@ def test_an_upright_picture_in_colour_is_measured_too():
     expected = np.repeat(np.kron(texture, np.ones((8, 16), np.float32))[None, ..., None], 3, axis=-1)
     scene = replace(capture(2000, 1280, "scene"), real_dn=expected.copy(), expected_dn=expected)
     (evidence,), _ = gather(CaptureFolder(None, (scene,)), seed=0)
-    assert evidence.capture.valid.shape == (2000, 240)
+    assert evidence.capture.valid.shape == (2000, 192)
     assert {"level", "displacement", "colour_displacement", "detail"} <= {
         e.statistic for e in evidence.labels
     }

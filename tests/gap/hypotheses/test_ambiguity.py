@@ -104,6 +104,15 @@ def test_what_moves_pixels_asks_for_a_board(effects):
     assert wanted.kind == "board"
 
 
+def test_what_all_explanations_hold_asks_for_nothing(effects):
+    """Boards that show a distortion are there; only blur and focus are still to be told apart."""
+    lens = term(effects, "lens-distortion", k1=-0.2)
+    blur, focus = term(effects, "lens-blur", sigma_px=1.3), term(effects, "defocus", radius_px=2.3)
+    wanted = best_capture(bench(), [(lens, blur), (lens, focus)], seed=1)
+    assert wanted is not None
+    assert wanted.kind != "board"
+
+
 @pytest.mark.parametrize(
     ("unexplained", "kind"),
     [
