@@ -14,7 +14,9 @@ from tacos_gap.captures import RealCapture
 from tacos_gap.statistics.block import Sample, StatisticBlock, mean_signal
 from tacos_plugins.noise_calibration.photon_transfer import ROUNDING_DN2
 
-TILE_PX = 64
+TILE_PX, LEAST_TILE_PX = 64, 24
+"""Sides of the tiles that detail is measured in; smaller ones where a region of interest holds no larger."""
+
 BANDS = (0.03, 0.08, 0.16, 0.28, 0.42)
 """Borders of the bands of spatial frequency [cycles/px]."""
 
@@ -54,6 +56,7 @@ def has_detail(capture: RealCapture) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Layout:
+    tile_px: int
     corners: Sequence[tuple[int, int]]
     zone: NDArray[np.int64]
     cell: NDArray[np.int64]
@@ -79,28 +82,31 @@ def _make_layout(capture: RealCapture) -> _Layout | None:
     expected = capture.expected_dn.mean(axis=0)
     green = 1 if expected.shape[-1] == 3 else 0
     height, width = capture.valid.shape
+    tile_px = min(TILE_PX, min(height, width) // 8 * 8)
+    if tile_px < LEAST_TILE_PX:
+        return None
     corners, zones = [], []
-    for top in range(0, height - TILE_PX + 1, TILE_PX // 2 if height < 200 else TILE_PX):
-        for left in range(0, width - TILE_PX + 1, TILE_PX // 2 if width < 200 else TILE_PX):
-            part = (slice(top, top + TILE_PX), slice(left, left + TILE_PX))
+    for top in range(0, height - tile_px + 1, tile_px // 2 if height < 200 else tile_px):
+        for left in range(0, width - tile_px + 1, tile_px // 2 if width < 200 else tile_px):
+            part = (slice(top, top + tile_px), slice(left, left + tile_px))
             if capture.valid[part].mean() > 0.95 and np.ptp(expected[part][..., green]) > 4:
                 corners.append((top, left))
                 radius = float(capture.geometry.radius[part].mean())
                 zones.append(int(np.searchsorted(ZONES, radius, side="right") - 1))
     if not corners:
         return None
-    fy = np.fft.fftfreq(TILE_PX)[:, None]
-    fx = np.fft.rfftfreq(TILE_PX)[None, :]
+    fy = np.fft.fftfreq(tile_px)[:, None]
+    fx = np.fft.rfftfreq(tile_px)[None, :]
     band = np.searchsorted(BANDS, np.hypot(fx, fy), side="right") - 1
     sector = np.floor((np.degrees(np.arctan2(fy, fx)) % 180 + 22.5) / 45).astype(int) % DIRECTIONS
     cell = np.where((band >= 0) & (band < len(BANDS) - 1), band * DIRECTIONS + sector, -1)
-    layout = _Layout(corners, np.array(zones), cell, np.zeros(0), np.zeros(0, int), 0.0, [])
+    layout = _Layout(tile_px, corners, np.array(zones), cell, np.zeros(0), np.zeros(0, int), 0.0, [])
     power = _power(expected[..., green], layout)
     least = max(_LEAST_SHARE * capture.context.white_level_dn**2, _noise_power(capture, green))
     strongest = power.reshape(-1, DIRECTIONS).max(axis=1).repeat(DIRECTIONS)
     kept = np.flatnonzero((power > _ABOVE_NOISE * least) & (power > _LEAST_OF_A_BAND * strongest))
     at = [_place(int(k)) for k in kept]
-    return _Layout(corners, layout.zone, cell, power, kept, least, at)
+    return _Layout(tile_px, corners, layout.zone, cell, power, kept, least, at)
 
 
 def _noise_power(capture: RealCapture, channel: int) -> float:
@@ -129,8 +135,9 @@ def _place(index: int) -> dict[str, Any]:
 
 def _power(image: NDArray[np.float32], layout: _Layout) -> NDArray[np.float64]:
     """Mean power in each zone, band and direction [DN^2 per frequency]."""
-    window = np.hanning(TILE_PX + 1)[:-1]
-    stack = np.stack([image[t : t + TILE_PX, c : c + TILE_PX] for t, c in layout.corners]).astype(np.float32)
+    side = layout.tile_px
+    window = np.hanning(side + 1)[:-1]
+    stack = np.stack([image[t : t + side, c : c + side] for t, c in layout.corners]).astype(np.float32)
     stack = (stack - stack.mean(axis=(1, 2), keepdims=True)) * (window[:, None] * window[None, :]).astype(
         np.float32
     )

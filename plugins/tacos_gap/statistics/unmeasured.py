@@ -8,7 +8,7 @@ from tacos_gap.captures import RealCapture
 from tacos_gap.statistics.colour import has_colours
 from tacos_gap.statistics.displacement import has_texture
 from tacos_gap.statistics.grid import LEAST_EVEN, LEAST_SIDE_PX, has_even_areas
-from tacos_gap.statistics.sharpness import TILE_PX, has_detail
+from tacos_gap.statistics.sharpness import LEAST_TILE_PX, has_detail
 
 
 def nothing_seen(capture: RealCapture) -> str | None:
@@ -40,8 +40,8 @@ def unmeasured(capture: RealCapture) -> Iterator[str]:
             yield f"{capture.id}: no part of what is expected has texture; displacement cannot be measured."
         if not has_detail(capture):
             yield (
-                f"{capture.id}: no tile of {TILE_PX} x {TILE_PX} pixels has detail; sharpness cannot be "
-                f"measured."
+                f"{capture.id}: no tile of {LEAST_TILE_PX} x {LEAST_TILE_PX} pixels has detail; sharpness "
+                f"cannot be measured."
             )
     repeats = capture.frames > 1 and capture.expected_dn is not None and len(capture.expected_dn) == 1
     needs_even = capture.kind in ("dark", "flat", "bracket") if repeats else True

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from tacos_framework import Captures, lit, of_kind, structured
+from tacos_framework import Captures, ObservedCapture, lit, of_kind, structured
 
 FEWEST_VIEWS = 3
 """Views of a board below which lens, focal length and pose are mixed up."""
 
 FEWEST_TIMES = 3
 """Exposure times of a series below which a curve cannot be told from a line."""
+
+APART_DEG = 30.0
+"""Angle between two edges from which on blur along one direction clearly shows more in one of them [deg]."""
 
 
 def one_flat_without_stack(captures: Captures) -> bool:
@@ -103,9 +106,23 @@ def places_expected(captures: Captures) -> bool:
 
 
 def edges_or_known_motion(captures: Captures) -> bool:
-    """Edges in all directions, or a sequence of something that moves at a known velocity."""
-    edges = [each for each in structured(captures) if each.edge_angle_deg is None]
-    return known_motion(captures) or bool(edges)
+    """Edges in all directions, straight ones in two, or a sequence of what moves at a known velocity."""
+    seen = list(structured(captures))
+    of_all = any(each.edge_angle_deg is None for each in seen)
+    return known_motion(captures) or of_all or _span_deg([_across_deg(each) for each in seen]) > APART_DEG
+
+
+def _across_deg(capture: ObservedCapture) -> float:
+    """The direction across a straight edge, from the columns, by what is expected [deg]."""
+    assert capture.expected_dn is not None
+    down, along = np.gradient(capture.expected_dn[0].mean(axis=-1), axis=(0, 1))
+    down, along = down[capture.valid], along[capture.valid]
+    return float(np.degrees(0.5 * np.arctan2(2 * np.sum(down * along), np.sum(along**2 - down**2))))
+
+
+def _span_deg(angles_deg: Sequence[float]) -> float:
+    """How far apart the farthest two of some directions are; 0 and 180 deg are one [deg]."""
+    return max((abs((a - b + 90) % 180 - 90) for a in angles_deg for b in angles_deg), default=0.0)
 
 
 def two_dark_exposures(captures: Captures) -> bool:

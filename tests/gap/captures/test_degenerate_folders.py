@@ -137,7 +137,7 @@ def test_a_degenerate_folder_is_measured_or_said_to_be_beyond_it(tmp_path, name)
     ("name", "said"),
     [
         ("a few pixels", "it: 5 x 3 pixels are too few to measure anything in"),
-        ("tiny", "it: no tile of 64 x 64 pixels has detail; sharpness cannot be measured."),
+        ("very wide", "it: no tile of 24 x 24 pixels has detail; sharpness cannot be measured."),
         ("one frame", "it: a single frame has no real-against-real noise floor"),
         ("all saturated", "it: nearly all pixels are saturated"),
     ],

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tacos_gap.captures import Noise
+from tacos_gap.captures.large import part_of
 from tacos_gap.statistics import Sample, StatisticBlock, measure
 from tests.gap.small_captures import BLACK_DN, HEIGHT, WIDTH, capture
 
@@ -63,3 +64,19 @@ def test_cells_show_the_transfer_of_a_gaussian():
         if at["direction_deg"] == 90 and high < 0.3:
             ends = [-4 * (np.pi * sigma_px * f) ** 2 for f in (high, low)]
             assert ends[0] < value < ends[1] + 0.02
+
+
+@pytest.mark.parametrize(("rows", "columns"), [(48, 60), (40, 90), (63, 63)])
+def test_a_small_region_of_interest_tells_of_detail(rows, columns):
+    """Of an edge blurred by .8 px the finest band loses what a Gaussian takes from it."""
+    sigma_px, expected = 0.8, edge() + BLACK_DN
+    part = slice(HEIGHT // 2 - rows // 2, HEIGHT // 2 - rows // 2 + rows), slice(0, columns)
+    whole = replace(capture("roi", "edge", expected, 1), noise=Noise((0.0,), (0.05,)))
+    of = part_of(whole, part)
+    blurred = cv2.GaussianBlur(expected, (0, 0), sigma_px)[part][None, :, :, None]
+    assert of.expected_dn is not None
+    (found,) = (b for b in measure(Sample(of, blurred, of.expected_dn)) if b.statistic == "detail")
+    for value, at in zip(found.values, found.at, strict=True):
+        low, high = at["frequency_cycles_px"]
+        most, least = (-((2 * np.pi * sigma_px * f) ** 2) for f in (low, high))
+        assert least - 0.1 < value < most + 0.1
