@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from tacos_framework import Component, hookimpl
+from tacos_framework import Command, Component, hookimpl
+from tacos_worlds.recorded.imports import commands
 
 
 @hookimpl
@@ -88,3 +89,9 @@ def tacos_components() -> list[Component]:
             summary="Blocks of detail at several depths before a plain wall, passed sideways.",
         ),
     ]
+
+
+@hookimpl
+def tacos_commands() -> list[Command]:
+    """``tacos recordings``."""
+    return commands.commands()

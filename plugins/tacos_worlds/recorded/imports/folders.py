@@ -1,0 +1,160 @@
+"""Recordings that are folders: a table of times, EuRoC, TUM, KITTI."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from datetime import datetime
+from functools import partial
+from pathlib import Path
+
+from tacos_files.camera_images import read_image
+from tacos_framework import Fault, UserError, read_yaml
+from tacos_framework.files import read_csv, read_lines, read_text
+from tacos_worlds.recorded.imports.found import FoundFrame, FoundRecording
+
+_FILE = ("file", "filename", "name", "image")
+_STAMP_NS: Mapping[str, float] = {
+    "taken_ns": 1,
+    "timestamp_ns": 1,
+    "stamp_ns": 1,
+    "time_s": 1e9,
+    "timestamp_s": 1e9,
+}
+_EXPOSURE_MS: Mapping[str, float] = {"exposure_ms": 1, "exposure_us": 1e-3, "exposure_s": 1e3}
+_LAYOUTS = "times.csv, data.csv of EuRoC, rgb.txt of TUM, or times.txt or timestamps.txt of KITTI"
+
+
+def in_folder(folder: Path) -> FoundRecording:
+    """The recording of one camera in a folder.
+
+    Raises
+    ------
+    UserError
+        When it has no layout that is known, holds several cameras, or its table is at fault.
+    """
+    cameras = sorted(
+        path.parent for path in (*folder.glob("mav0/cam*/data.csv"), *folder.glob("cam*/data.csv"))
+    )
+    cameras += sorted(path for path in folder.glob("image_*") if path.is_dir())
+    if len(cameras) > 1:
+        names = ", ".join(path.name for path in cameras)
+        what = f"holds {len(cameras)} cameras: {names}"
+        raise UserError(
+            Fault(str(folder), what, "one camera at a time", f"Import {folder / cameras[0].name} first.")
+        )
+    here = cameras[0] if cameras else folder
+    if (here / "data.csv").is_file():
+        return FoundRecording("EuRoC", tuple(_euroc(here)), _euroc_camera(here))
+    if (here / "times.csv").is_file():
+        return FoundRecording("a table of times", tuple(_table(here)))
+    if (here / "rgb.txt").is_file():
+        return FoundRecording("TUM", tuple(_tum(here)))
+    for table in (here / "timestamps.txt", here / "times.txt", here.parent / "times.txt"):
+        if table.is_file():
+            return FoundRecording("KITTI", tuple(_kitti(here, table)))
+    raise UserError(
+        Fault(
+            str(folder),
+            "has no table of times",
+            _LAYOUTS,
+            "Without times the order of the frames is unknown: write times.csv with file and taken_ns.",
+        )
+    )
+
+
+def _frame(folder: Path, name: str, stamp_ns: int, exposure_ms: float | None, where: str) -> FoundFrame:
+    if not (folder / name).is_file():
+        raise UserError(Fault(where, f"names {name}, which is not there", "a frame in the folder"))
+    return FoundFrame(
+        name, stamp_ns, exposure_ms, partial(read_image, folder / name, str(folder / name), folder)
+    )
+
+
+def _euroc(camera: Path) -> Iterator[FoundFrame]:
+    for number, cells in read_csv(camera / "data.csv"):
+        if cells and not cells[0].startswith("#"):
+            where = f"{camera / 'data.csv'}:{number}"
+            if len(cells) < 2 or not cells[0].strip().isdecimal():
+                raise UserError(
+                    Fault(where, f"holds {','.join(cells)!r}", "a stamp in nanoseconds and a file name")
+                )
+            yield _frame(camera / "data", cells[1].strip(), int(cells[0]), None, where)
+
+
+def _euroc_camera(camera: Path) -> str:
+    """The calibration of EuRoC as Kalibr writes one."""
+    file = camera / "sensor.yaml"
+    if not file.is_file():
+        return ""
+    text = read_text(file, where=str(file)).replace("%YAML:1.0", "")
+    data = read_yaml(text, str(file)).data
+    keys = ("resolution", "intrinsics", "distortion_coefficients", "distortion_model")
+    if not isinstance(data, dict) or any(key not in data for key in keys):
+        return ""
+    model = {"radial-tangential": "radtan"}.get(data["distortion_model"], data["distortion_model"])
+    return (
+        f"cam0:\n  camera_model: pinhole\n  intrinsics: {data['intrinsics']}\n"
+        f"  resolution: {data['resolution']}\n"
+        f"  distortion_model: {model}\n  distortion_coeffs: {data['distortion_coefficients']}\n"
+    )
+
+
+def _table(folder: Path) -> Iterator[FoundFrame]:
+    table = folder / "times.csv"
+    (_, heads), *lines = read_csv(table) or [(1, [])]
+    file = next((name for name in _FILE if name in heads), None)
+    stamp = next((name for name in _STAMP_NS if name in heads), None)
+    exposure = next((name for name in _EXPOSURE_MS if name in heads), None)
+    if file is None or stamp is None:
+        expected = f"a column for the file ({', '.join(_FILE)}) and one for the time ({', '.join(_STAMP_NS)})"
+        raise UserError(Fault(f"{table}:1", f"has the columns {', '.join(heads)}", expected))
+    for number, cells in lines:
+        row, where = dict(zip(heads, cells, strict=False)), f"{table}:{number}"
+        try:
+            known = exposure is not None and row.get(exposure, "") != ""
+            exposure_ms = float(row[exposure]) * _EXPOSURE_MS[exposure] if known and exposure else None
+            scale = _STAMP_NS[stamp]
+            stamp_ns = int(row[stamp]) if scale == 1 else round(float(row[stamp]) * scale)
+        except (KeyError, ValueError) as error:
+            raise UserError(
+                Fault(where, f"holds {','.join(cells)!r}", "a file, a time, an exposure")
+            ) from error
+        yield _frame(folder, row.get(file, ""), stamp_ns, exposure_ms, where)
+
+
+def _tum(folder: Path) -> Iterator[FoundFrame]:
+    for number, line in enumerate(read_lines(folder / "rgb.txt"), 1):
+        if line.strip() and not line.startswith("#"):
+            where = f"{folder / 'rgb.txt'}:{number}"
+            try:
+                stamp_s, name = line.split()[:2]
+                stamp_ns = round(float(stamp_s) * 1e9)
+            except ValueError as error:
+                raise UserError(
+                    Fault(where, f"holds {line.strip()!r}", "a stamp in seconds and a file name")
+                ) from error
+            yield _frame(folder, name, stamp_ns, None, where)
+
+
+def _kitti(images: Path, table: Path) -> Iterator[FoundFrame]:
+    folder = images / "data" if (images / "data").is_dir() else images
+    names = sorted(path.name for path in folder.glob("*.png"))
+    lines = [line.strip() for line in read_lines(table) if line.strip()]
+    if len(names) != len(lines):
+        what = f"has {len(lines)} times for {len(names)} frames"
+        raise UserError(
+            Fault(str(table), what, "a time for each frame", "Frames were dropped: match them by hand.")
+        )
+    for number, (name, line) in enumerate(zip(names, lines, strict=True), 1):
+        yield _frame(folder, name, _kitti_ns(line, f"{table}:{number}"), None, f"{table}:{number}")
+
+
+def _kitti_ns(text: str, where: str) -> int:
+    try:
+        if ":" not in text:
+            return round(float(text) * 1e9)
+        whole, _, part = text.partition(".")
+        seconds = (datetime.fromisoformat(whole) - datetime(1970, 1, 1)).total_seconds()
+        return round(seconds) * 10**9 + int(part.ljust(9, "0")[:9])
+    except ValueError as error:
+        raise UserError(Fault(where, f"holds {text!r}", "seconds, or a date and a time of day")) from error

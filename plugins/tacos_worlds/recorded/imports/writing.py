@@ -1,0 +1,61 @@
+"""The folder of a recording, from frames that were found."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from tacos_framework import UserError
+from tacos_framework.files import made_folder
+from tacos_worlds.recorded.imports.found import FoundRecording
+from tacos_worlds.recorded.reader import TIMES, read_recording
+
+_GREEN = 1
+
+
+def write_recording(found: FoundRecording, out: Path, exposure_ms: float | None) -> list[str]:
+    """Frames, ``times.csv`` and ``camera.yaml``; what to know about them, in sentences.
+
+    Parameters
+    ----------
+    exposure_ms
+        Exposure of frames that do not state their own [ms].
+
+    Raises
+    ------
+    UserError
+        When the folder exists and is not empty, or a frame cannot be read.
+    """
+    made_folder(out)
+    lines, coloured, unknown = ["file,taken_ns,exposure_ms"], 0, 0
+    digits = len(str(len(found.frames)))
+    for number, frame in enumerate(sorted(found.frames, key=lambda each: each.stamp_ns)):
+        image = np.squeeze(frame.read())
+        if image.ndim == 3:
+            image, coloured = image[..., _GREEN], coloured + 1
+        own_ms = frame.exposure_ms if frame.exposure_ms is not None else exposure_ms
+        unknown += own_ms is None
+        name = f"{number:0{digits}d}.png"
+        cv2.imwrite(str(out / name), image if image.dtype == np.uint8 else image.astype(np.uint16))
+        lines.append(f"{name},{frame.stamp_ns},{'' if own_ms is None else f'{own_ms:g}'}")
+    (out / TIMES).write_text("\n".join(lines) + "\n", encoding="utf-8")
+    if found.camera:
+        (out / "camera.yaml").write_text(found.camera, encoding="utf-8")
+    said = [f"{len(found.frames)} frames ({found.layout}) in {out}."]
+    if coloured:
+        said.append(f"{coloured} frames have colours: their green is taken, whose noise neighbours share.")
+    if unknown:
+        said.append(
+            f"The exposure of {unknown} frames is unknown: state it by --exposure-ms, or in {out / TIMES}."
+        )
+        return said
+    try:
+        read_recording(out, fewest=1, response="linear")
+    except UserError as error:
+        said += [
+            f"{fault.where}: {fault.what} (expected {fault.expected}). {fault.remedy}"
+            for fault in error.faults
+        ]
+    return said

@@ -1,0 +1,140 @@
+"""``tacos recordings import``: other programs' layouts, and frames that cannot be trusted."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from tacos_framework.cli.tacos import main
+from tacos_plugins.rigs.calibration_files import CalibratedLens
+from tacos_worlds.recorded.reader import read_recording
+
+STEP_NS = 50_000_000
+
+
+def frames(folder: Path, names: list[str]) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    rng = np.random.default_rng(1)
+    for name in names:
+        cv2.imwrite(str(folder / name), rng.integers(20, 200, (48, 64)).astype(np.uint8))
+
+
+def euroc(folder: Path) -> Path:
+    stamps = [10**18 + i * STEP_NS for i in range(4)]
+    camera = folder / "mav0" / "cam0"
+    frames(camera / "data", [f"{stamp}.png" for stamp in stamps])
+    lines = ["#timestamp [ns],filename", *(f"{stamp},{stamp}.png" for stamp in stamps)]
+    (camera / "data.csv").write_text("\n".join(lines))
+    (camera / "sensor.yaml").write_text(
+        "resolution: [64, 48]\nintrinsics: [50.0, 50.0, 31.5, 23.5]\n"
+        "distortion_model: radial-tangential\ndistortion_coefficients: [-0.1, 0.01, 0.0, 0.0]\n"
+    )
+    return folder
+
+
+def tum(folder: Path) -> Path:
+    frames(folder / "rgb", [f"{i}.png" for i in range(4)])
+    (folder / "rgb.txt").write_text(
+        "# t file\n" + "\n".join(f"{1000 + i * 0.05:.6f} rgb/{i}.png" for i in range(4))
+    )
+    return folder
+
+
+def kitti(folder: Path) -> Path:
+    frames(folder / "image_00" / "data", [f"{i:010d}.png" for i in range(4)])
+    stamps = [f"2011-09-26 13:02:25.{i * 50:03d}000000" for i in range(4)]
+    (folder / "image_00" / "timestamps.txt").write_text("\n".join(stamps))
+    return folder
+
+
+def video(folder: Path) -> Path:
+    file = folder / "walk.avi"
+    writer = cv2.VideoWriter(str(file), cv2.VideoWriter.fourcc(*"MJPG"), 20.0, (64, 48))
+    rng = np.random.default_rng(2)
+    for _ in range(4):
+        writer.write(cv2.resize(rng.integers(20, 200, (6, 8, 3)).astype(np.uint8), (64, 48)))
+    writer.release()
+    return file
+
+
+@pytest.mark.parametrize("layout", [euroc, tum, kitti, video])
+def test_a_recording_comes_in_with_its_times(layout, tmp_path: Path) -> None:
+    (tmp_path / "source").mkdir()
+    out = tmp_path / "out"
+    assert (
+        main(
+            [
+                "recordings",
+                "import",
+                str(layout(tmp_path / "source")),
+                "--out",
+                str(out),
+                "--exposure-ms",
+                "5",
+            ]
+        )
+        == 0
+    )
+    (found,) = read_recording(out, fewest=1, response="linear").exposures.values()
+    assert found.exposure_ms == 5
+    np.testing.assert_allclose(np.diff(found.stamp_s), STEP_NS * 1e-9, atol=1e-6)
+    assert found.codes_dn.shape == (4, 48, 64)
+
+
+def test_the_calibration_of_euroc_comes_along(tmp_path: Path) -> None:
+    assert (
+        main(["recordings", "import", str(euroc(tmp_path / "source")), "--out", str(tmp_path / "out")]) == 0
+    )
+    lens = CalibratedLens.model_validate(str(tmp_path / "out" / "camera.yaml"))
+    assert (lens.focal_length_px, lens.coefficients[0], lens.projection) == (50.0, -0.1, "rectilinear")
+
+
+def test_exposures_of_a_table_are_kept_in_any_unit(tmp_path: Path) -> None:
+    source = tmp_path / "source"
+    frames(source, ["a.png", "b.png", "c.png"])
+    rows = [f"{name}.png,{i * 0.1},2500" for i, name in enumerate("abc")]
+    (source / "times.csv").write_text("\n".join(["filename,time_s,exposure_us", *rows]))
+    assert main(["recordings", "import", str(source), "--out", str(tmp_path / "out")]) == 0
+    assert set(read_recording(tmp_path / "out", fewest=1, response="linear").exposures) == {"2.5"}
+
+
+def test_what_is_doubtful_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    source = kitti(tmp_path / "source")
+    table = source / "image_00" / "timestamps.txt"
+    table.write_text(table.read_text().replace("25.150", "25.900"))
+    assert main(["recordings", "import", str(source), "--out", str(tmp_path / "a")]) == 0
+    assert "The exposure of 4 frames is unknown: state it by --exposure-ms" in capsys.readouterr().out
+    assert (
+        main(["recordings", "import", str(source), "--out", str(tmp_path / "b"), "--exposure-ms", "5"]) == 0
+    )
+    assert "frames were dropped between them" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (lambda s: (s / "image_00" / "timestamps.txt").unlink(), "has no table of times"),
+        (lambda s: (s / "image_00" / "timestamps.txt").write_text("1.0\n2.0\n"), "has 2 times for 4 frames"),
+        (lambda s: frames(s / "image_01" / "data", ["0.png"]), "holds 2 cameras: image_00, image_01"),
+    ],
+)
+def test_folders_at_fault_are_refused(
+    spoil, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = kitti(tmp_path / "source")
+    spoil(source)
+    assert main(["recordings", "import", str(source), "--out", str(tmp_path / "out")]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_a_bag_without_rosbags_says_what_to_install(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
+    (tmp_path / "walk.bag").write_bytes(b"#ROSBAG V2.0\n")
+    assert main(["recordings", "import", str(tmp_path / "walk.bag"), "--out", str(tmp_path / "out")]) == 2
+    assert "pip install 'tacos-framework[rosbag]'" in capsys.readouterr().err
