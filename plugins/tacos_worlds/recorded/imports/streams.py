@@ -44,8 +44,7 @@ def in_bag(file: Path, topic: str) -> FoundRecording:
     Raises
     ------
     UserError
-        When rosbags is not installed, the topic is not named where there are several, or images are of another
-        encoding.
+        When rosbags is not installed, no topic is named where there are several, or images are coded otherwise.
     """
     try:
         from rosbags.highlevel import AnyReader
@@ -56,9 +55,7 @@ def in_bag(file: Path, topic: str) -> FoundRecording:
             Fault(str(file), "is a ROS bag, and rosbags is not installed", "rosbags", remedy)
         ) from missing
     with AnyReader([file], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
-        images = [
-            c for c in reader.connections if c.msgtype == "sensor_msgs/msg/Image" and topic in ("", c.topic)
-        ]
+        images = [c for c in reader.connections if c.msgtype == _IMAGE and topic in ("", c.topic)]
         topics = sorted({each.topic for each in images})
         if len(topics) != 1:
             what = (
