@@ -44,7 +44,7 @@ def in_bag(file: Path, topic: str) -> FoundRecording:
     Raises
     ------
     UserError
-        When rosbags is not installed, no topic is named where there are several, or images are coded otherwise.
+        When rosbags is not installed, several topics have images and none is named, or their coding is unknown.
     """
     try:
         from rosbags.highlevel import AnyReader
