@@ -44,7 +44,7 @@ def in_bag(file: Path, topic: str) -> FoundRecording:
     Raises
     ------
     UserError
-        When rosbags is not installed, several topics have images and none is named, or their coding is unknown.
+        When rosbags is not installed, no topic is named where several have images, or they are coded.
     """
     try:
         from rosbags.highlevel import AnyReader
