@@ -17,8 +17,9 @@ from typing import Any
 
 from tacos_framework import Plugins, in_one_thread, load_recipe, run
 from tacos_framework.formation import EpisodeDraws
-from tacos_gap.answer.diagnosis import ENOUGH_PIXELS, diagnose
+from tacos_gap.answer.diagnosis import diagnose
 from tacos_gap.captures import CaptureFolder, read_captures
+from tacos_gap.captures.large import enough_pixels
 from tacos_gap.hypotheses.candidates import candidates
 from tacos_gap.simulation.formation import simulate
 from tacos_gap.statistics import Sample, measure
@@ -89,11 +90,11 @@ def taken(folder: Path, width: int, effect: str) -> Path:
 def once(folder: CaptureFolder, repeats: int) -> None:
     """Simulate every capture and measure it, the least of some repeats."""
     seconds = {"simulate": 0.0, "measure": 0.0}
-    samples = 0
+    samples, enough = 0, enough_pixels(folder.captures)
     for capture in folder.captures:
         if capture.expected_dn is None:
             continue
-        used = capture.of_at_most(ENOUGH_PIXELS)
+        used = capture.of_at_most(enough)
         samples += used.real_dn.size
         found: dict[str, list[float]] = {name: [] for name in seconds}
         for draw in range(repeats + 1):  # the first fills what is kept per capture
