@@ -129,6 +129,7 @@ def _sorted(looked_at: Sequence[Picture], tables: Sequence[Table], given: Given)
     with_boards = [picture for picture in pictures if picture.shown.kind == "board"]
     boards = boards_of(with_boards, given.inner_corners)
     lost = [picture for picture in with_boards if all(picture not in board.views for board in boards)]
+    lost += _likelier_boards(pictures, with_boards, given)
     doubts += [f"{picture.name} is left out: {_not_seen(picture, boards, given)}." for picture in lost]
     kept = [picture for picture in pictures if picture not in lost]
     views = [view for board in boards for view in board.views.values()]
@@ -136,6 +137,14 @@ def _sorted(looked_at: Sequence[Picture], tables: Sequence[Table], given: Given)
     stacks = tuple(sorted(stacks_of(kept), key=lambda stack: _ORDER.index(stack.kind)))
     all_guesses = (*of_kinds, *guesses, *_guesses(stacks, boards, given), *camera.guesses)
     return _Sorted(stacks, boards, camera, all_guesses, (*doubts, *camera.doubts, *_doubts(stacks)))
+
+
+def _likelier_boards(
+    pictures: Sequence[Picture], with_boards: Sequence[Picture], given: Given
+) -> list[Picture]:
+    """What would pass for sharp edges by a guess, among more views of a board: one that is not seen whole."""
+    guessed = [p for p in pictures if p.shown.kind == "edge" and p.shown.doubt and p.name not in given.kinds]
+    return guessed if len(with_boards) > 2 * len(guessed) else []
 
 
 def _not_seen(picture: Picture, boards: Sequence[BoardFound], given: Given) -> str:
