@@ -114,6 +114,9 @@ def _as_a_setting(unknown: Sequence[str]) -> str:
 def main(argv: Sequence[str] | None = None) -> int:
     """Entry point of ``tacos-run``."""
     taking = parser()
+    if not (sys.argv[1:] if argv is None else argv):
+        taking.print_help()
+        return DONE
     arguments, unknown = taking.parse_known_args(argv)
     _take_run_folder(arguments)
     if unknown:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from tacos_framework import __version__
 from tacos_framework.cli.exits import DONE, exit_status
-from tacos_framework.errors import Fault, UserError
+from tacos_framework.errors import Fault, UserError, did_you_mean
 
 if TYPE_CHECKING:
     from tacos_framework.environment import EnvironmentFinding
@@ -51,9 +51,9 @@ def _main(argv: Sequence[str] | None) -> int:
     plugins = Plugins.discover()
     given = sys.argv[1:] if argv is None else argv
     taking = parser(plugins)
-    if given[:1] == ["run"] and "run" not in {command.name for command in plugins.offers.commands()}:
-        command = shlex.join(["tacos-run", *(given[1:] or ["RECIPE"])])
-        raise UserError(Fault("tacos run", "is another command", "tacos-run RECIPE", f"Try: {command}"))
+    names = ["plugins", "doctor", *(command.name for command in plugins.offers.commands())]
+    if given and not given[0].startswith("-") and given[0] not in names:
+        raise UserError(_no_command(given, names))
     arguments = taking.parse_args(given)
     if arguments.command is None:
         taking.print_help()
@@ -64,6 +64,19 @@ def _main(argv: Sequence[str] | None) -> int:
     }
     commands = {command.name: command.run for command in plugins.offers.commands()} | own
     return commands[arguments.command](arguments)
+
+
+def _no_command(given: Sequence[str], names: Sequence[str]) -> Fault:
+    """The fault of a word that is no command: a misspelt one, or what tacos-run takes."""
+    from tacos_framework.packaged_resources import shipped_recipes
+
+    recipe = given[0] in shipped_recipes() or given[0].endswith((".yaml", ".yml"))
+    if recipe or given[0] == "run":
+        rest = given if recipe else given[1:] or ["RECIPE"]
+        remedy = f"Recipes are run by another command. Try: {shlex.join(['tacos-run', *rest])}"
+    else:
+        remedy = did_you_mean(given[0], names)
+    return Fault(f"tacos {given[0]}", "there is no such command", remedy=remedy)
 
 
 def _plugins(plugins: Plugins, *, members: bool) -> int:

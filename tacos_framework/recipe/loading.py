@@ -41,14 +41,23 @@ def find_recipe(name: str | Path) -> Path:
     if (package := package_offering(str(name))) is not None:
         remedy = f"pip install '{package}'"
     raise UserError(
-        Fault(str(name), "there is no such recipe", "a YAML file, or the name of a shipped recipe", remedy)
+        Fault(
+            str(name),
+            "there is no such recipe, and no folder of a run",
+            "a YAML file, or the name of a shipped recipe",
+            remedy,
+        )
     )
 
 
 def _near(name: str, shipped: Iterable[str]) -> str:
     """A shipped name much like the given one, or where all of them stand."""
     near = get_close_matches(name, shipped, n=1)
-    return f"Did you mean {near[0]!r}?" if near else "Check the path; `tacos recipes` lists those shipped."
+    return (
+        f"Did you mean {near[0]!r}?"
+        if near
+        else ("Check the path, runs lie in runs/ by default; `tacos recipes` lists the recipes that ship.")
+    )
 
 
 def _folder_fault(folder: Path) -> Fault:

@@ -215,11 +215,17 @@ def test_both_commands_say_their_version_and_help(capsys: pytest.CaptureFixture[
         assert capsys.readouterr().out == f"tacos-framework {__version__}\n"
     assert tacos_main([]) == 0
     assert "Recipes are run by tacos-run" in capsys.readouterr().out
+    assert run_main([]) == 0
+    assert "--extend KEY=N" in capsys.readouterr().out
 
 
 def test_tacos_run_names_the_command_that_was_meant(capsys: pytest.CaptureFixture[str]) -> None:
     assert tacos_main(["run", "my recipe.yaml", "--seed", "1"]) == 2
     assert "tacos-run 'my recipe.yaml' --seed 1" in capsys.readouterr().err
+    assert tacos_main(["headset_quick", "--check"]) == 2
+    assert "Try: tacos-run headset_quick --check" in capsys.readouterr().err
+    assert tacos_main(["viw"]) == 2
+    assert "Did you mean 'view'?" in capsys.readouterr().err
 
 
 def test_a_folder_in_the_place_of_a_recipe_is_told_apart(
@@ -232,7 +238,9 @@ def test_a_folder_in_the_place_of_a_recipe_is_told_apart(
     assert run_main([str(tmp_path / "run")]) == 2
     assert f"tacos-run --resume {tmp_path / 'run'}" in capsys.readouterr().err
     assert run_main(["run9"]) == 2
-    assert "`tacos recipes` lists" in capsys.readouterr().err
+    told = capsys.readouterr().err
+    assert "no folder of a run" in told
+    assert "`tacos recipes` lists" in told
 
 
 def test_check_opens_the_world_of_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
