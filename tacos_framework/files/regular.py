@@ -18,6 +18,7 @@ _KINDS = (
     (stat.S_ISCHR, "a device"),
     (stat.S_ISBLK, "a device"),
 )
+_LFS_POINTER = b"version https://git-lfs.github.com/spec/"
 # A pipe that nobody writes to would be waited for, and a terminal become ours: neither is a file to read.
 _FLAGS = os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC
 
@@ -90,6 +91,9 @@ def read_bytes(path: Path, limit: str, *, where: str | None = None, within: Path
         raise UserError(Fault(where, f"{_shown(path)} cannot be read: {error.strerror}")) from error
     if len(content) > limits().bytes_of(limit):
         raise UserError(too_large(where, _shown(path), len(content), limit))
+    if content.startswith(_LFS_POINTER):
+        what = f"{_shown(path)} is a pointer of Git LFS in place of the file"
+        raise UserError(Fault(where, what, "the file itself", "Fetch it: git lfs pull."))
     return content
 
 

@@ -9,6 +9,7 @@ Geiger et al. (2012), KITTI odometry: twelve numbers a line, the rows of [R | t]
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -68,14 +69,17 @@ def read_poses(file: Path) -> RecordedPath:
         Where no line, or some line, is what one of the formats has.
     """
     rows: list[list[float]] = []
-    commas = False
-    for number, line in enumerate(file_bytes(file).decode("utf-8", "replace").splitlines(), start=1):
+    commas, names = False, list[str]()
+    for number, line in enumerate(_text(file_bytes(file)).splitlines(), start=1):
+        if not rows and (found := _quaternion_columns(line)):
+            names = found
+            continue
         text = line.split("#", 1)[0].strip()
         if not text:
             continue
-        commas = commas or "," in text
+        commas = commas or "," in text or ";" in text
         try:
-            rows.append([float(word) for word in text.replace(",", " ").split()])
+            rows.append([float(word) for word in re.split(r"[\s,;]+", text.strip(",;"))])
         except ValueError as error:
             raise Unreadable(f"line {number} is not a line of numbers: {text[:60]!r}") from error
         if len(rows[-1]) != len(rows[0]):
@@ -90,13 +94,36 @@ def read_poses(file: Path) -> RecordedPath:
         poses[:, :3] = table.reshape(-1, 3, 4)
         _check_rotations(poses[:, :3, :3])
         return RecordedPath(np.arange(len(table)) / KITTI_RATE_HZ, poses, "kitti")
-    if table.shape[1] >= 8 and commas:
-        return _timed(table[:, 0], table[:, 1:4], table[:, [5, 6, 7, 4]], "euroc")
-    if table.shape[1] == 8:
-        return _timed(table[:, 0], table[:, 1:4], table[:, 4:8], "tum")
+    form: Literal["tum", "euroc"] = "euroc" if commas else "tum"
+    if table.shape[1] == 8 or (table.shape[1] > 8 and commas):
+        order = names or list("wxyz" if commas else "xyzw")
+        quaternion = table[:, [4 + order.index(part) for part in "xyzw"]]
+        return _timed(table[:, 0], table[:, 1:4], quaternion, form)
     raise Unreadable(
         f"its lines have {table.shape[1]} numbers: TUM has 8, EuRoC 8 or more with commas, KITTI 12"
     )
+
+
+def _text(content: bytes) -> str:
+    """The text of a file in UTF-8, or in what its first bytes say."""
+    utf_16 = content.startswith((b"\xff\xfe", b"\xfe\xff"))
+    return content.decode("utf-16" if utf_16 else "utf-8-sig", "replace")
+
+
+def _quaternion_columns(line: str) -> list[str]:
+    """The order of a quaternion after the stamp and the position, where a line of names tells it.
+
+    Examples
+    --------
+    >>> _quaternion_columns("#timestamp [ns], p_RS_R_x [m], p_y [m], p_z [m], q_RS_w [], q_RS_x [], q_y, q_z")
+    ['w', 'x', 'y', 'z']
+    >>> _quaternion_columns("# timestamp tx ty tz qx qy qz qw"), _quaternion_columns("# by ORB")
+    (['x', 'y', 'z', 'w'], [])
+    """
+    plain = re.sub(r"\[[^\]]*\]|#", " ", line.lower())
+    names = re.split(r"[\s,;]+", plain.strip(" \t,;\r\n"))
+    order = [name[-1] for name in names[4:8] if re.fullmatch(r"q.*[xyzw]", name)]
+    return order if sorted(order) == list("wxyz") else []
 
 
 def _check_rotations(matrices: NDArray[np.float64]) -> None:
@@ -114,10 +141,10 @@ def _timed(
 ) -> RecordedPath:
     unit = stamp_unit(stamp, form)
     time_s = (stamp - stamp[0]) * _SECONDS[unit]
-    if np.any(np.diff(time_s) <= 0):
-        raise Unreadable("its times do not rise from line to line")
-    if np.any(np.linalg.norm(quaternion, axis=1) < 0.5):
-        raise Unreadable("a rotation is no unit quaternion")
+    if len(falls := np.flatnonzero(np.diff(time_s) <= 0)):
+        raise Unreadable(f"its times do not rise from line to line: see pose {falls[0] + 2}")
+    if len(wrong := np.flatnonzero(np.linalg.norm(quaternion, axis=1) < 0.5)):
+        raise Unreadable(f"pose {wrong[0] + 1} has a rotation that is no unit quaternion")
     poses = np.tile(np.eye(4), (len(time_s), 1, 1))
     poses[:, :3, :3] = Rotation.from_quat(quaternion).as_matrix()
     poses[:, :3, 3] = position_m
@@ -152,9 +179,13 @@ def stamp_unit(stamp: NDArray[np.float64], form: Literal["tum", "euroc"]) -> Sta
 
 
 def doubt_of_time(path: RecordedPath) -> str | None:
-    """Why the times of a path are hardly in seconds; None where they may be."""
+    """Why the times of a path are hardly in seconds, or whose they are; None where nothing is doubtful."""
+    if path.form == "kitti":
+        return f"KITTI's layout holds no times: {KITTI_RATE_HZ:g} poses a second are taken"
     if len(path.time_s) < 3:
         return None
+    if (np.diff(path.time_s) == 1.0).all():
+        return "stamps rise by just 1: numbers of frames? TUM has seconds"
     step_s, far_m = float(np.median(np.diff(path.time_s))), path.poses[1:, :3, 3] - path.poses[:-1, :3, 3]
     speed_m_s = float(np.linalg.norm(far_m, axis=1).sum()) / float(path.time_s[-1])
     said = f"it walks {speed_m_s:.3g} m/s, with a pose each {step_s:.3g} s"

@@ -56,6 +56,8 @@ class Buffers:
         text, self._embedded = _container(content)
         if len(text) > limits().bytes_of("json_mb"):
             raise UserError(too_large(references.where, "its JSON", len(text), "json_mb"))
+        if not content or content.lstrip()[:1] == b"<":
+            raise Damaged(f"it is {'a web page, as a download that failed' if content else 'empty'}")
         header = parse_json(text.decode("utf-8"), references.where, "glTF", "Export the model again.")
         asset = header.get("asset") if isinstance(header, dict) else None
         if not isinstance(asset, dict) or not str(asset.get("version", "")).startswith("2"):

@@ -13,15 +13,18 @@ from dataclasses import dataclass, replace
 
 _VALUES = {
     "-blendu": 1, "-blendv": 1, "-cc": 1, "-clamp": 1, "-mm": 2, "-texres": 1, "-bm": 1, "-boost": 1,
-    "-imfchan": 1, "-type": 1, "-o": 3, "-s": 3, "-t": 3,
+    "-imfchan": 1, "-type": 1, "-colorspace": 1, "-o": 3, "-s": 3, "-t": 3,
 }  # fmt: skip
 """Values after each option, at most."""
 _AS_MANY_AS_ARE_NUMBERS = ("-o", "-s", "-t")
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+_OPTION = re.compile(r"-[a-z]+", re.IGNORECASE)
 _PICTURES = re.compile(r"(map_\w+|bump|norm|disp|decal|refl)", re.IGNORECASE)
 _EFFECTS = {
     "map_d": "holes of fences and leaves are drawn solid",
     "map_ka": "it has no effect: light is computed",
+    "map_pr": "Pr holds all over a surface",
+    "map_pm": "Pm holds all over a surface",
     "map_ks": "highlights are alike all over a surface",
     "map_ns": "highlights are alike all over a surface",
     "map_ke": "surfaces do not glow in a pattern",
@@ -38,6 +41,8 @@ _OPTION_EFFECTS = {
     "-cc": "textures keep the colours of their picture",
     "-imfchan": "textures take all channels of their picture",
 }
+_NO_EFFECT = "it has no effect"
+_READ = {"", "#", "d", "illum", "ka", "kd", "ke", "ks", "newmtl", "ni", "ns", "pm", "pr", "sharpness", "tr"}
 
 
 @dataclass(frozen=True)
@@ -56,6 +61,8 @@ class MtlMaterial:
         Light sent out, in the file's unit.
     masked
         Whether the alpha of its picture says where it is.
+    roughness, metallic
+        As Pr and Pm give them, which exporters of physically based materials write [1].
     """
 
     opacity: float = 1.0
@@ -64,6 +71,8 @@ class MtlMaterial:
     clamped: bool = False
     emission: tuple[float, float, float] = (0.0, 0.0, 0.0)
     masked: bool = False
+    roughness: float | None = None
+    metallic: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -110,16 +119,22 @@ def read_library(text: str) -> Library:
             line, pictures[name, key] = f"{word} {picture}", picture
             if key == "map_kd" and name in materials:
                 materials[name] = _moved(materials[name], options)
-                unread = (f"{each}: {_OPTION_EFFECTS[each]}" for each in options if each in _OPTION_EFFECTS)
+                known = {**dict.fromkeys(options.keys() - _VALUES, _NO_EFFECT), **_OPTION_EFFECTS}
+                unread = (f"{each}: {known[each]}" for each in options if each in known)
                 notes |= dict.fromkeys(unread)
         elif name in materials:
+            white = key == "tf" and set(_numbers(rest.split())) == {1.0}
+            if key not in _READ and not key.startswith("#") and not white:
+                notes[f"{word} is not carried out: {_NO_EFFECT}"] = None
+            elif rest.split()[:1] in (["spectral"], ["xyz"]):
+                notes[f"{word} {rest.split()[0]} is not carried out: give red, green and blue"] = None
             materials[name] = _with(materials[name], key, _numbers(rest.split()))
         lines.append(line)
     for (owner, key), picture in pictures.items():
         if key == "map_d" and picture == pictures.get((owner, "map_kd")) and owner in materials:
             materials[owner] = replace(materials[owner], masked=True)
-        elif key in _EFFECTS:
-            notes[f"{key} is not carried out: {_EFFECTS[key]}"] = None
+        elif key != "map_kd":
+            notes[f"{key} is not carried out: {_EFFECTS.get(key, _NO_EFFECT)}"] = None
     if materials and all(each.opacity < 0.5 for each in materials.values()):
         notes["d or Tr says that all is clear, which is taken as all opaque"] = None
         materials = {key: replace(each, opacity=1.0) for key, each in materials.items()}
@@ -130,9 +145,9 @@ def split_options(rest: str) -> tuple[dict[str, list[str]], str]:
     """Options before the name of a picture, with their values, and that name, which may hold spaces."""
     options: dict[str, list[str]] = {}
     words, at = rest.split(), 0
-    while at < len(words) and words[at].lower() in _VALUES:
+    while at < len(words) - 1 and _OPTION.fullmatch(words[at]):
         option = words[at].lower()
-        end = at + 1 + _VALUES[option]
+        end = at + 1 + _VALUES.get(option, 1)
         if option in _AS_MANY_AS_ARE_NUMBERS:
             end = at + 1
             while end < min(len(words), at + 4) and _NUMBER.fullmatch(words[end]):
@@ -167,6 +182,10 @@ def _with(material: MtlMaterial, key: str, values: list[float]) -> MtlMaterial:
         return replace(material, opacity=values[-1])
     if key == "tr" and values:
         return replace(material, opacity=1.0 - values[0])
+    if key == "pr" and values:
+        return replace(material, roughness=values[0])
+    if key == "pm" and values:
+        return replace(material, metallic=min(max(values[0], 0.0), 1.0))
     if key == "ke" and len(values) == 3:
         return replace(material, emission=(values[0], values[1], values[2]))
     return material

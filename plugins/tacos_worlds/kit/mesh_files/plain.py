@@ -25,21 +25,33 @@ _PLY_SIZES = {
 }
 
 
+def in_utf_8(content: bytes, references: References) -> bytes:
+    """The text of an OBJ file in UTF-8; older programs write names in Latin-1.
+
+    Raises
+    ------
+    UserError
+        When it is no text.
+    """
+    if b"\0" in content:
+        raise UserError(Fault(references.where, "is no text", "an OBJ file", "Export the model again."))
+    try:
+        content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        references.notes.append("names are not in UTF-8, and are read as Latin-1")
+        return content.decode("latin-1").encode("utf-8")
+    return content
+
+
 def check_obj(content: bytes, references: References) -> int:
     """Triangles of an OBJ file, at least; its library of materials is read.
 
     Raises
     ------
     UserError
-        When it is not text in UTF-8, or breaks off in a line.
+        When it is larger than memory or time allow.
     """
     where = references.where
-    try:
-        content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise UserError(
-            Fault(where, f"cannot be read: {error}", "text in UTF-8", "Export the model again.")
-        ) from error
     if len(content) > limits().bytes_of("obj_mb"):  # text takes twenty times its size while it is parsed
         raise UserError(too_large(where, "the OBJ file", len(content), "obj_mb"))
     if len(_GROUP.findall(content)) > _MOST_GROUPS or _LONG_LINE.search(content):
@@ -72,6 +84,7 @@ def check_ply(content: bytes, references: References) -> int:
         When its header is broken, or promises more than the file holds.
     """
     end = content.find(b"end_header")
+    colours: set[str] = set()
     try:
         if not content.startswith(b"ply") or end < 0:
             raise ValueError("it has no header of a PLY file")
@@ -84,12 +97,20 @@ def check_ply(content: bytes, references: References) -> int:
                 if count < 0:
                     raise ValueError(f"it has {count} of {words[1]}")
                 least += 0 if binary else count * 2
-            elif words[:1] == ["property"] and binary:
-                least += count * _PLY_SIZES[words[2] if words[1] == "list" else words[1]]
+            elif words[:1] == ["property"]:
+                least += count * _PLY_SIZES[words[2] if words[1] == "list" else words[1]] if binary else 0
+                colours |= {words[1]} if words[-1] in ("red", "green", "blue") else set()
         if least > len(content) - end:
             raise ValueError(f"its header promises {least} bytes at least, and it breaks off")
     except (ValueError, LookupError) as error:
         raise UserError(
             Fault(references.where, f"cannot be read: {error}", "a whole PLY file", "Export the model again.")
         ) from error
+    where, points = references.where, counts.get("vertex", 0)
+    if not counts["face"]:
+        remedy = "Make a mesh of them (Poisson reconstruction in MeshLab or CloudCompare) and export that."
+        raise UserError(Fault(where, f"is a cloud of {points} points, without faces", "a mesh", remedy))
+    if colours & {"ushort", "uint16"}:  # of which trimesh keeps the lower byte
+        remedy = "Export colours with 8 bits."
+        raise UserError(Fault(where, "has colours of 16 bits", "colours of the type uchar", remedy))
     return counts["face"]

@@ -16,7 +16,7 @@ from tacos_framework.camera import LINEAR_OF_SRGB_BYTE
 from tacos_worlds.kit.mesh_files.damage import refuse_triangles
 from tacos_worlds.kit.mesh_files.mtl import MtlMaterial
 from tacos_worlds.kit.mesh_files.pictures import picture
-from tacos_worlds.kit.mesh_files.plain import check_obj, check_ply
+from tacos_worlds.kit.mesh_files.plain import check_obj, check_ply, in_utf_8
 from tacos_worlds.kit.mesh_files.references import References
 from tacos_worlds.kit.models.model import Model, Skin, Surface
 
@@ -40,6 +40,7 @@ def read_plain_mesh(
     """
     kind = Path(references.file_name).suffix.lower().removeprefix(".")
     check = check_obj if kind == "obj" else check_ply
+    content = in_utf_8(content, references) if kind == "obj" else content
     count = check(content, references)
     references.refuse_faults()
     refuse_triangles(references.where, count, most_triangles)
@@ -115,6 +116,7 @@ def _skin(mesh: trimesh.Trimesh, most_px: int, more: MtlMaterial) -> Skin:
     emission = np.zeros(3) if material.emissiveFactor is None else np.asarray(material.emissiveFactor, float)
     emission = np.maximum(emission, more.emission)
     roughness = 0.8 if material.roughnessFactor is None else float(material.roughnessFactor)
+    roughness = roughness if more.roughness is None else more.roughness
     return Skin(
         name=str(material.name or ""),
         base_colour=np.clip(np.ones(3) if image is not None else factor[:3], 0, 1),
@@ -123,5 +125,6 @@ def _skin(mesh: trimesh.Trimesh, most_px: int, more: MtlMaterial) -> Skin:
         clamped=(more.clamped, more.clamped),
         texture=image,
         roughness=float(np.clip(roughness, 0, 1)),
+        metallic=more.metallic,
         emission=emission,
     )

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from tacos_framework import Fault, UserError
 from tacos_framework.files import read_bytes
-from tacos_worlds.kit.mesh_files.damage import UNREADABLE
+from tacos_worlds.kit.mesh_files.damage import UNREADABLE, Damaged
 from tacos_worlds.kit.mesh_files.gltf import read_gltf
 from tacos_worlds.kit.mesh_files.plain_meshes import read_plain_mesh
 from tacos_worlds.kit.mesh_files.references import References
@@ -49,7 +49,10 @@ def read_model(
         model = read(content, references, most_px, most_triangles)
     except UNREADABLE as error:  # whatever trips over what no exporter writes
         references.refuse_faults()
-        what = f"cannot be read: {error or type(error).__name__}"
+        said = f"{error or type(error).__name__}"
+        if not isinstance(error, Damaged):
+            said = f"something in it is not what its format allows ({said})"
+        what = f"cannot be read: {said}"
         remedy = "Export it again, as a whole and uncompressed."
         raise UserError(Fault(where, what, "a whole file", remedy)) from error
     references.refuse_faults()

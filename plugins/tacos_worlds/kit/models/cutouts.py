@@ -27,14 +27,21 @@ _ROUNDING = 1e-6
 
 
 def without_clear(model: Model) -> Model:
-    """The model without the surfaces that one sees through, of which it is told."""
-    skins = model.skins
-    clear = sorted({skins[s.skin].name for s in model.surfaces if skins[s.skin].opacity < _LEAST_OPACITY})
-    if not clear:
-        return model
-    kept = tuple(s for s in model.surfaces if skins[s.skin].opacity >= _LEAST_OPACITY)
-    note = f"{', '.join(clear[:5])}: clear surfaces are left out: light, image and depth pass them"
-    return replace(model, surfaces=kept, notes=(*model.notes, note))
+    """The model without the surfaces that one sees through; those, and half clear ones, are told."""
+    used = [model.skins[surface.skin] for surface in model.surfaces]
+    clear = sorted({skin.name for skin in used if skin.opacity < _LEAST_OPACITY})
+    hazy = sorted({skin.name for skin in used if _LEAST_OPACITY <= skin.opacity < 1})
+    kept = tuple(s for s, skin in zip(model.surfaces, used, strict=True) if skin.opacity >= _LEAST_OPACITY)
+    effects = (
+        (clear, "clear surfaces are left out: light, image and depth pass them"),
+        (hazy, "half clear surfaces are drawn opaque"),
+    )
+    notes = (
+        f"{', '.join(name or 'no name' for name in names[:5])}: {effect}"
+        for names, effect in effects
+        if names
+    )
+    return replace(model, surfaces=kept, notes=(*model.notes, *notes))
 
 
 def cut_out(model: Model, most_triangles: int = 100_000) -> Model:
