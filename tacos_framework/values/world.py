@@ -30,6 +30,9 @@ class Material:
         0..1 [1].
     emission_cd_m2
         (3,) float32 luminance the surface emits itself [cd/m2].
+    unlit
+        Whether its colour was photographed with its light: `World.indirect_lux` alone falls on it, without
+        shadows, which is the same all over it.
     """
 
     name: str
@@ -40,6 +43,7 @@ class Material:
     roughness: float = 0.8
     metallic: float = 0.0
     emission_cd_m2: NDArray[np.float32] = field(default_factory=lambda: np.zeros(3, np.float32))
+    unlit: bool = False
 
     def __post_init__(self) -> None:
         read_only(self, "base_colour", np.float32, (3,))

@@ -72,6 +72,7 @@ def materials_of(
             roughness=skin.roughness,
             metallic=skin.metallic,
             emission_cd_m2=(skin.emission * emission_scale).astype(np.float32),
+            unlit=skin.unlit,
         )
         for index, skin in enumerate(skins)
     )

@@ -33,6 +33,8 @@ _MOST_SITES = 60_000
 _RAYS = 64
 _FINEST_MERGE_M = 0.08
 _EDGE_M = 0.6
+_UNLIT_LUX = 300.0
+"""Of what was photographed with its light, where the study gives no illuminance: rooms one works in [lux]."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +120,8 @@ def lit_world(
         emission = skins[patch.skin].emission * sources.emission_scale
         if emission.any():
             lights += of_glowing(patch, emission)
-    lit = bool(lights) or sources.surroundings is not None
+    photographed = all(skins[patch.skin].unlit for patch in fewer)
+    lit = photographed or bool(lights) or sources.surroundings is not None
     surroundings = sources.surroundings
     all_skins, panels = list(skins), list[Patch]()
     if sources.lamps or (sources.lamps is None and not lit):
@@ -164,10 +167,15 @@ def _baked(world: World, floor: Floor) -> tuple[World, float]:
     key, plane_m = world_key("imported", world), _plane_m(floor)
 
     def made() -> tuple[tuple[NDArray[np.float32], ...], float]:
+        unlit = [world.materials[part.material].unlit for part in world.parts]
+        if all(unlit):
+            return tuple(np.full_like(part.vertices_m, _UNLIT_LUX) for part in world.parts), _UNLIT_LUX
         transport = _transport(world)
         up = np.tile(np.array([0, 0, 1], np.float32), (len(plane_m), 1))
         reached = transport.direct_lux(plane_m, up) + transport.indirect_lux(plane_m, up)
-        return transport.vertex_indirect_lux(), float(photopic(reached).mean())
+        lux = float(photopic(reached).mean())
+        around = zip(transport.vertex_indirect_lux(), unlit, strict=True)
+        return tuple(np.full_like(each, lux) if even else each for each, even in around), lux
 
     store, code = store_of_user(), code_key(Budget)
     if store is None or code is None:

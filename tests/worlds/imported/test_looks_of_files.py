@@ -17,7 +17,7 @@ from tacos_view.pictures import png_uri
 from tacos_worlds.imported.reader import read_world
 from tacos_worlds.kit.mesh_files import read_model
 from tacos_worlds.kit.mesh_files.mtl import read_library, split_options
-from tacos_worlds.kit.models.cutouts import cut_out
+from tacos_worlds.kit.models.cutouts import cut_out, without_clear
 from tacos_worlds.kit.models.mask_outlines import outlines
 from tacos_worlds.kit.models.model import Model, Skin, Surface
 from tacos_worlds.kit.models.patch import Patch
@@ -235,7 +235,18 @@ def test_metalness_of_a_texture_counts(tmp_path: Path) -> None:
         ({"extensionsUsed": ["KHR_materials_clearcoat"]}, "lacquer"),
         ({"extensionsUsed": ["ACME_fur"]}, "ACME_fur is not carried out"),
         ({"animations": [{}]}, "animations are not played"),
-        ({"materials": [{"name": "haze", "alphaMode": "BLEND"}]}, "haze: alphaMode BLEND"),
+        (
+            {
+                "materials": [
+                    {
+                        "name": "haze",
+                        "alphaMode": "BLEND",
+                        "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}},
+                    }
+                ]
+            },
+            "haze: alphaMode BLEND",
+        ),
         ({"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 1}]}]}, "1 sets of lines"),
     ],
 )
@@ -336,6 +347,90 @@ def test_glass_of_an_obj_is_left_out_and_its_options_move_its_texture(tmp_path: 
     assert "lines and points" in told
     assert "surfaces are smooth" in told
     assert "clear surfaces are left out" in told
+
+
+@given(share=st.floats(0.01, 0.99), blended=st.booleans())
+def test_clear_surfaces_of_any_share_are_told_once(
+    tmp_path_factory: pytest.TempPathFactory, share: float, blended: bool
+) -> None:
+    """By transmission or by opacity: left out from half clear on, else drawn opaque."""
+    look = (
+        {"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 1 - share]}}
+        if blended
+        else {"extensions": {"KHR_materials_transmission": {"transmissionFactor": share}}}
+    )
+    file = gltf(tmp_path_factory.mktemp("g"), materials=[{"name": "pane", **look}])
+    model = without_clear(read_model(file, most_px=64))
+    assert len(model.notes) == 1
+    said = (
+        "pane: clear surfaces are left out" if share > 0.5 else "pane: half clear surfaces are drawn opaque"
+    )
+    assert model.notes[0].startswith(said)
+    assert len(model.surfaces) == (share <= 0.5)
+
+
+def test_unlit_materials_keep_what_was_photographed(tmp_path: Path) -> None:
+    look = {"emissiveFactor": [1, 1, 1], "extensions": {"KHR_materials_unlit": {}}}
+    model = read_model(gltf(tmp_path, materials=[look], extensionsUsed=["KHR_materials_unlit"]), most_px=64)
+    assert model.notes == ()
+    assert model.skins[0].unlit
+    assert not model.skins[0].emission.any()
+
+
+@given(
+    key=st.sampled_from(["map_Pr", "map_Pm", "map_Ps", "aniso", "Tf", "map_ao", "Pc"]),
+    option=st.sampled_from(["-colorspace", "-foo", "-imfchan"]),
+    name=names,
+)
+def test_no_statement_or_option_of_a_library_is_dropped_without_a_word(
+    key: str, option: str, name: str
+) -> None:
+    text = f"newmtl wall\nKd 1 1 1\n{key} 0.5\nmap_Kd {option} sRGB {name}\n"
+    library = read_library(text)
+    assert library.plain.splitlines()[-1] == f"map_Kd {name}"
+    assert sum(key.lower() in note.lower() for note in library.notes) == 1
+    assert sum(option in note for note in library.notes) == (option != "-colorspace")
+
+
+def test_metals_of_a_library_are_metals() -> None:
+    material = read_library("newmtl tap\nKd 1 1 1\nPr 0.2\nPm 1\n").materials["tap"]
+    assert (material.roughness, material.metallic) == (0.2, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("a.glb", b"", "it is empty"),
+        ("a.glb", b"<!DOCTYPE html><html>404</html>", "a web page"),
+        ("a.glb", b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n", "git lfs pull"),
+        ("a.obj", b"v 0 0 0\n\0\0", "is no text"),
+        (
+            "a.ply",
+            b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n",
+            "a cloud of 1 points",
+        ),
+        (
+            "a.ply",
+            b"ply\nformat ascii 1.0\nelement vertex 3\nproperty ushort red\nelement face 1\n"
+            b"property list uchar int vertex_indices\nend_header\n0\n0\n0\n3 0 1 2\n",
+            "colours of 16 bits",
+        ),
+    ],
+)
+def test_what_is_no_such_file_is_said_to_be_what_it_is(
+    name: str, content: bytes, said: str, tmp_path: Path
+) -> None:
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(UserError, match=said):
+        read_model(tmp_path / name, most_px=64)
+
+
+def test_names_in_latin_1_are_read(tmp_path: Path) -> None:
+    lines = ["o B\u00fcro", *(f"v {x} {y} {z}" for x, y, z in SQUARE), "f 1 2 3 4"]
+    (tmp_path / "room.obj").write_bytes("\n".join(lines).encode("latin-1"))
+    model = read_model(tmp_path / "room.obj", most_px=64)
+    assert model.surfaces[0].path == ("B\u00fcro",)
+    assert model.notes == ("names are not in UTF-8, and are read as Latin-1",)
 
 
 def test_a_world_of_glass_alone_is_refused(tmp_path: Path) -> None:

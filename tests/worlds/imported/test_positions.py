@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from tacos_worlds.imported.doubts import clear_height_m, doubts_of_height
 from tacos_worlds.imported.formats.file_bytes import Unreadable
@@ -112,6 +113,41 @@ def test_nanoseconds_in_the_layout_of_tum_are_the_same_path(tmp_path: Path) -> N
 def test_milliseconds_from_zero_are_doubted(tmp_path: Path) -> None:
     path = read_poses(write_poses(tmp_path / "ms.txt", [str(50 * i) for i in range(60)]))
     assert "milliseconds?" in str(doubt_of_time(path))
+
+
+def test_numbers_of_frames_and_missing_times_are_doubted(tmp_path: Path) -> None:
+    path = read_poses(write_poses(tmp_path / "frames.txt", [str(i) for i in range(60)]))
+    assert "numbers of frames?" in str(doubt_of_time(path))
+    file = tmp_path / "kitti.txt"
+    file.write_text("1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n")
+    assert "10 poses a second" in str(doubt_of_time(read_poses(file)))
+
+
+@given(
+    order=st.permutations(list("wxyz")),
+    between=st.sampled_from([" ", "\t", ",", ", ", ";"]),
+    head=st.sampled_from(["", "#", "# "]),
+    coded=st.sampled_from(["utf-8", "utf-8-sig", "utf-16"]),
+    turn=st.tuples(*[st.floats(-1, 1)] * 3),
+)
+def test_a_line_of_names_gives_the_order_of_rotations(
+    tmp_path_factory: pytest.TempPathFactory,
+    order: list[str],
+    between: str,
+    head: str,
+    coded: str,
+    turn: tuple[float, float, float],
+) -> None:
+    """Tables of other programs have TUM's names with commas, or EuRoC's without its mark."""
+    rotation = Rotation.from_rotvec(turn)
+    quaternion = dict(zip("xyzw", rotation.as_quat(), strict=True))
+    names = between.join(["timestamp", "tx", "ty", "tz", *(f"q{part}" for part in order)])
+    rows = [between.join(map(str, [0.1 * i, 1, 2, 3, *(quaternion[part] for part in order)])) for i in (0, 1)]
+    file = tmp_path_factory.mktemp("poses") / "poses.csv"
+    file.write_bytes("\n".join([head + names, *rows]).encode(coded))
+    found = read_poses(file)
+    np.testing.assert_allclose(found.poses[0, :3, :3], rotation.as_matrix(), atol=1e-9)
+    assert found.time_s[-1] == pytest.approx(0.1)
 
 
 def test_a_path_longer_than_a_day_is_refused_before_memory_is_taken(tmp_path: Path) -> None:

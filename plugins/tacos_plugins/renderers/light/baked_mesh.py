@@ -231,7 +231,8 @@ def _light_texels(
     keep = np.flatnonzero(on_surface & ~buried)
     corners = mesh.triangles[met[keep]]
     weights = _barycentric(mesh.position_m[corners], point[keep])
-    indirect = np.einsum("nc,ncj->nj", weights, mesh.indirect_lux[corners]) * ambient_visibility[keep, None]
+    around = np.where(_unlit(world)[mesh.material[corners[:, 0]]], 1, ambient_visibility[keep])
+    indirect = np.einsum("nc,ncj->nj", weights, mesh.indirect_lux[corners]) * around[:, None]
     light = _reflect(
         world,
         mesh.material[corners[:, 0]],
@@ -276,11 +277,13 @@ def _reflect(
     a plane of normal n' is taken as proportional to 1 - |d| + n'.d, exact at both ends.
     """
     base = np.array([m.base_colour * (1 - m.metallic) for m in world.materials], np.float32).reshape(-1, 3)
-    irradiance = direct.irradiance_lux + indirect_lux
-    weight = direct.irradiance_lux.mean(axis=1, keepdims=True)
+    takes_direct = ~_unlit(world)[material]
+    direct_lux = direct.irradiance_lux * takes_direct[:, None]
+    irradiance = direct_lux + indirect_lux
+    weight = direct_lux.mean(axis=1, keepdims=True)
     other = indirect_lux.mean(axis=1, keepdims=True)
     towards = (weight * direct.towards + other * 0.5 * normal) / np.maximum(weight + other, 1e-20)
-    bright = (direct.unshadowed_lux[:, None] + other)[:, 0]
+    bright = direct.unshadowed_lux * takes_direct + other[:, 0]
     share = np.where(bright > 0, (weight + other)[:, 0] / np.maximum(bright, 1e-20), 1)
     upright = np.einsum("ij,ij->i", towards, normal)
     level = 1 - np.linalg.norm(towards, axis=1) + upright
@@ -290,6 +293,10 @@ def _reflect(
         unshadowed_share=share.astype(np.float32),
         bend=bend.astype(np.float32),
     )
+
+
+def _unlit(world: World) -> NDArray[np.bool_]:
+    return np.array([material.unlit for material in world.materials], np.bool_)
 
 
 def grow(image: NDArray[np.float32], known: NDArray[np.bool_], times: int) -> NDArray[np.float32]:

@@ -13,11 +13,11 @@ _CARRIED_OUT = {
     "KHR_materials_ior",
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_transmission",
+    "KHR_materials_unlit",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
 }
 _EFFECTS = {
-    "KHR_materials_unlit": "surfaces are lit like others, in place of showing their colour as it is",
     "KHR_materials_specular": "highlights have the strength of common plastics and paints",
     "KHR_materials_clearcoat": "lacquer over a surface is not drawn",
     "KHR_materials_sheen": "cloth has no sheen",
@@ -77,14 +77,14 @@ def _of_materials(buffers: Buffers) -> Iterator[str]:
     for index, material in enumerate(buffers.listed("materials")):
         name = str(material.get("name", f"material {index}"))
         pbr = material.get("pbrMetallicRoughness") or {}
-        if material.get("alphaMode") == "BLEND":
+        if material.get("alphaMode") == "BLEND" and "baseColorTexture" in pbr:
             blended.append(name)
         if "metallicRoughnessTexture" in pbr:
             mixed.append(name)
         if "emissiveTexture" in material and any(material.get("emissiveFactor", (0, 0, 0))):
             glowing.append(name)
     if blended:
-        yield f"{named(blended)}: alphaMode BLEND is drawn opaque from half on, and left out below"
+        yield f"{named(blended)}: alphaMode BLEND is drawn where its texture is opaque from half on"
     if mixed:
         yield f"{named(mixed)}: roughness and metalness of a texture count by their mean"
     if glowing:

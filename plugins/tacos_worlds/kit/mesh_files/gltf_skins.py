@@ -12,6 +12,7 @@ from tacos_framework import UserError
 from tacos_framework.camera import LINEAR_OF_SRGB_BYTE
 from tacos_worlds.kit.mesh_files.damage import Damaged
 from tacos_worlds.kit.mesh_files.gltf_buffers import Buffers, Json
+from tacos_worlds.kit.mesh_files.gltf_notes import remedy_for
 from tacos_worlds.kit.mesh_files.pictures import picture
 from tacos_worlds.kit.models.model import Skin
 
@@ -83,11 +84,12 @@ class Skins:
             clamped=(wraps[0] == _CLAMPED, wraps[1] == _CLAMPED),
             opacity=opacity,
             texture=None if image is None else image[..., :3],
-            normal_map=None if bumps is None else _doubled(bumps, wraps)[..., :3],
+            normal_map=None if bumps is None or unlit else _doubled(bumps, wraps)[..., :3],
             roughness=1.0 if unlit else float(np.clip(pbr.get("roughnessFactor", 1.0) * rough, 0, 1)),
             metallic=0.0 if unlit else float(np.clip(pbr.get("metallicFactor", 1.0) * metal, 0, 1)),
-            emission=glow * strength,
+            emission=glow * strength * (not unlit),
             two_sided=bool(entry.get("doubleSided", False)),
+            unlit=unlit,
         )
 
     def _sampler(self, info: object) -> Json:
@@ -114,8 +116,8 @@ class Skins:
         webp = texture.get("extensions", {}).get("EXT_texture_webp", {})
         index = webp.get("source", texture.get("source"))
         if index is None:
-            names = ", ".join(texture.get("extensions", {})) or "nothing"
-            raise Damaged(f"a texture has its image only as {names}: export textures as PNG or JPEG")
+            names = [*texture.get("extensions", {})] or ["nothing"]
+            raise Damaged(f"a texture has its image only as {', '.join(names)}: {remedy_for(names[0])}")
         if index not in self._pictures:
             try:
                 loaded = self._buffers.references.picture(self._buffers.image(index), f"picture {index}")

@@ -34,6 +34,8 @@ class Skin:
         (H, W) opacity, row 0 at the bottom: the surface is not there where it is below the cutoff [codes, 1].
     clamped
         Whether the texture ends at its edges along u and v, in place of repeating.
+    unlit
+        Whether its colour was photographed with its light.
     """
 
     name: str
@@ -48,6 +50,7 @@ class Skin:
     mask: NDArray[np.uint8] | None = None
     cutoff: float = 0.5
     clamped: tuple[bool, bool] = (False, False)
+    unlit: bool = False
 
 
 @dataclass(frozen=True, eq=False)
