@@ -57,6 +57,8 @@ class PairedInterval:
         within the margin, which comes first: what does not matter is no advantage.
     margin
         Differences up to this do not matter [fitness].
+    of_scenes
+        The difference on each scene, where it is a sum over scenes.
     """
 
     difference: float
@@ -64,6 +66,14 @@ class PairedInterval:
     episodes: int
     verdict: Verdict
     margin: float = 0.0
+    of_scenes: tuple[float, ...] = ()
+
+    def quantiles(self, shares: NDArray[np.float64]) -> NDArray[np.float64] | None:
+        """(n,) values that the true difference is below with (n,) probabilities, by the same statistic.
+
+        One look by itself: no error is shared with other looks and products. None below three scenes.
+        """
+        return mean_quantiles(np.asarray(self.of_scenes), shares)
 
 
 def looks(first: int, most: int) -> tuple[int, ...]:
@@ -131,7 +141,7 @@ def compared(
             verdict = "equivalent"
         elif low > 0 or high < 0:
             verdict = "better" if low > 0 else "worse"
-    return PairedInterval(mean, interval, len(seen), verdict, margin)
+    return PairedInterval(mean, interval, len(seen), verdict, margin, tuple(seen.tolist()))
 
 
 def confidence_interval(values: NDArray[np.float64], error: float) -> tuple[float, float] | None:
@@ -139,22 +149,30 @@ def confidence_interval(values: NDArray[np.float64], error: float) -> tuple[floa
 
     `error` is the share of samples whose interval leaves the truth out.
     """
+    ends = mean_quantiles(values, np.array([error / 2, 1 - error / 2]))
+    if ends is None or (ends[0] == ends[1] and 2.0 ** (1 - len(values)) > error):
+        return None  # no spread to go by: a fair coin is as often one-sided
+    return float(ends[0]), float(ends[1])
+
+
+def mean_quantiles(values: NDArray[np.float64], shares: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    """Quantiles of the mean of (n,) draws at (m,) shares: Student's, moved out for skew; None below three."""
     n = len(values)
     if n < 3:
         return None
     mean, spread = float(values.mean()), float(values.std(ddof=1))
-    if spread <= ALIKE * float(np.abs(values).max()):  # no spread to go by: a fair coin is as often one-sided
-        return (mean, mean) if 2.0 ** (1 - n) <= error else None
-    t = float(stdtrit(n - 1, 1 - error / 2))
+    if spread <= ALIKE * float(np.abs(values).max()):
+        return np.full(len(shares), mean)
     skewness = n * float(np.sum(((values - mean) / spread) ** 3)) / ((n - 1) * (n - 2))
-    down, up = (max(t, abs(_student_of_skewed(side * t, skewness, n))) for side in (1, -1))
-    unit = spread / math.sqrt(n)
-    return mean - down * unit, mean + up * unit
+    t = stdtrit(n - 1, shares)
+    unskewed = -_student_of_skewed(-t, skewness, n)
+    away = np.where(t < 0, np.minimum(t, unskewed), np.maximum(t, unskewed))
+    return np.asarray(mean + away * spread / math.sqrt(n))
 
 
-def _student_of_skewed(t: float, skewness: float, n: int) -> float:
-    """The value of Student's statistic of a skewed sample that Hall's transformation takes to `t` (eq. 2)."""
+def _student_of_skewed(t: NDArray[np.float64], skewness: float, n: int) -> NDArray[np.float64]:
+    """Values of Student's statistic of a skewed sample that Hall's transformation takes to `t` (eq. 2)."""
     if abs(skewness) < 1e-6:
         return t
     third = skewness / math.sqrt(n)
-    return (float(np.cbrt(1 + third * (t - third / 6))) - 1) * 3 / third
+    return np.asarray((np.cbrt(1 + third * (t - third / 6)) - 1) * 3 / third)

@@ -19,6 +19,7 @@ from tacos_decision.optimum import best_of_parts
 from tacos_decision.pool import Pool
 from tacos_decision.ranking import at_its_best
 from tacos_framework.fitness import Fitness, FitnessTerm
+from tacos_framework.study.sequential import compared
 from tests.decision.recorded import recorded
 
 
@@ -57,6 +58,21 @@ def test_every_part_is_ranked_at_its_own_best_optics():
         "basler_dart",
     }
     assert all(0 <= p <= 1 for row in ranking for p in row["p_better"].values())
+
+
+def test_what_the_test_left_open_is_no_certainty_of_the_ranking():
+    record = recorded()
+    astray = compared([0.9, 0.8, 0.9, 1.0, 0.8, 0.9, 0.9, -2.0], error=0.05, margin=0.01)
+    assert astray.verdict == "undecided"
+    product = replace(record.cameras[1], free=())
+    cameras = tuple(product if each.name == product.name else each for each in record.cameras)
+    tested = replace(record, cameras=cameras, comparisons={**record.comparisons, product.name: astray})
+    rows = analyse(tested)["ranking"]
+    own = next(row for row in rows if row["camera"] == record.cameras[0].camera)
+    share_above_zero = (astray.quantiles(np.linspace(0.0005, 0.9995, 1000)) > 0).mean()
+    assert own["p_better"][product.name] == pytest.approx(share_above_zero, abs=0.01)
+    others = [row["p_better"][product.name] for row in rows if row is not own]
+    assert max(others) <= 0.99, "the model carries the doubt to every part"
 
 
 def test_a_product_is_compared_at_its_own_best_wherever_its_search_has_ended():

@@ -132,3 +132,12 @@ def test_looks_rise_from_the_first_to_the_most(first, more):
     counts = looks(first, first + more)
     assert (counts[0], counts[-1]) == (first, first + more)
     assert all(a < b for a, b in pairwise(counts))
+
+
+def test_quantiles_of_a_difference_end_where_its_interval_does():
+    values = np.array([0.9, 0.8, 0.9, 1.0, 0.8, 0.9, 0.9, -2.0])
+    found = compared(values, error=0.1, margin=0.0)
+    np.testing.assert_allclose(found.quantiles(np.array([0.05, 0.95])), found.interval)
+    shares = np.linspace(0.001, 0.999, 200)
+    assert (np.diff(found.quantiles(shares)) > 0).all()
+    assert compared(values[:2], error=0.1, margin=0.0).quantiles(shares) is None
