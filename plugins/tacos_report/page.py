@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import base64
+import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -80,6 +82,10 @@ class Table:
         Whether the first cell of each row is its heading.
     total
         Whether the last row sums up the others.
+    first
+        How many rows are shown until all are asked for, where the reader's program can ask; 0 for all.
+    kept
+        Places of further rows that are shown from the first.
     """
 
     heads: tuple[str, ...]
@@ -88,6 +94,8 @@ class Table:
     colours: tuple[str, ...] = ()
     row_heads: bool = False
     total: bool = False
+    first: int = 0
+    kept: tuple[int, ...] = ()
     kind: Literal["table"] = "table"
 
 
@@ -239,11 +247,13 @@ def image_uri(image: NDArray[np.uint8]) -> str:
 
 
 CONTENT_POLICY = (
-    "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
+    "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'; "
+    "script-src 'sha256-{}'"
 )
-"""What a browser may do with a page: show it, with pictures inside of it. No script runs, nothing is fetched.
+"""What a browser may do with a page: show it, with pictures inside of it, and run the page's own script.
 
-Styles stand beside what they are of, which no hash can name; what a result holds is escaped all the same.
+The script sorts and filters tables, and is named by its hash: no other runs, and nothing is fetched. Styles
+stand beside what they are of, which no hash can name; what a result holds is escaped all the same.
 """
 
 
@@ -276,5 +286,8 @@ def _templates() -> Environment:
         lstrip_blocks=True,
     )
     environment.filters["svg"] = Markup
-    environment.globals["policy"] = CONTENT_POLICY
+    script = (files("tacos_report") / "templates" / "tables.js").read_text("utf-8")
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    environment.globals["policy"] = CONTENT_POLICY.format(digest)
+    environment.globals["script"] = Markup(script)
     return environment

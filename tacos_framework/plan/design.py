@@ -87,6 +87,9 @@ def _variable(findings: RecipeFindings, name: str, entry: Any, unit: str) -> Var
             return Categorical(name, entry.choose)
         if isinstance(entry, FromCatalog):
             catalog = find_catalog(entry.catalog, folder=findings.recipe.folder_of(path))
+            if entry.only is not None:
+                path = ("design", name, "only")
+                catalog = replace(catalog, rows=tuple(map(catalog.part, dict.fromkeys(entry.only))))
             return CatalogChoice(name, catalog, entry.scheme or catalog.scheme, entry.columns, entry.distance)
     except UserError as error:
         findings.adopt(path, error)

@@ -90,6 +90,9 @@ class FromCatalog(Settings):
     columns: tuple[str, ...] | None = setting(
         None, help="Columns that span the quantized space; those of the catalog's own choice if absent."
     )
+    only: tuple[str, ...] | None = setting(
+        None, help="Names of the parts to choose among, one or more; all of the catalog if absent."
+    )
     distance: Literal["normalised", "plain"] = setting(
         "normalised",
         help="Distance to the nearest row: each column over its range, or the paper's plain one.",

@@ -11,6 +11,7 @@ from tacos_framework.errors import UserError
 from tacos_framework.plan import make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import load_recipe
+from tacos_framework.variables import CatalogChoice
 
 SENSORS = """name,width_px,height_px,pixel_um
 small,640,480,3.75
@@ -60,3 +61,24 @@ def test_settings_that_clash_are_told_at_their_own_key(here: Path) -> None:
         make_plan(recipe, Plugins.discover())
     (fault,) = caught.value.faults
     assert (fault.where, fault.what) == ("--set optimizer.keep", "keep=20 of a population of 10")
+
+
+def test_parts_may_be_named_that_alone_are_chosen_from() -> None:
+    recipe = load_recipe("headset_quick", sets={"design.sensor.only": ["IMX250", "AR0134", "IMX250"]})
+    sensor = next(v for v in make_plan(recipe, Plugins.discover()).space.variables if v.name == "sensor")
+    assert isinstance(sensor, CatalogChoice)
+    assert (
+        {row.name for row in sensor.catalog.rows} == {row.name for row in sensor.rows} == {"IMX250", "AR0134"}
+    )
+
+
+@pytest.mark.parametrize(
+    ("only", "said"), [(["IMX25"], "has no part 'IMX25'. Did you mean 'IMX250'?"), ([], "has no parts")]
+)
+def test_a_part_named_that_is_not_there_is_told(only: list[str], said: str) -> None:
+    recipe = load_recipe("headset_quick", sets={"design.sensor.only": only})
+    with pytest.raises(UserError) as caught:
+        make_plan(recipe, Plugins.discover())
+    (fault,) = caught.value.faults
+    assert fault.where == "--set design.sensor.only"
+    assert said in str(fault)

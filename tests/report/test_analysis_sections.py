@@ -79,7 +79,6 @@ def page(folder: Path) -> Page:
         "price: ask the maker where it matters",
         "Before you order Nobody states the distortion of DSL219.",
         "P(better than FLIR Flea3)",
-        "The other 40 parts",
         "LINE4K megapixels is 31.2",
         "not stated: power",
         "5 of 43 parts lie within a margin of 0.012 of the best",

@@ -13,7 +13,7 @@ from tacos_report.figures.explored import Panel, explored
 from tacos_report.figures.parts_ranked import parts_ranked
 from tacos_report.figures.search_curve import search_curve
 from tacos_report.figures.trade_offs import trade_offs
-from tacos_report.page import Folded, Table
+from tacos_report.page import Table
 from tacos_report.sections import ranking
 from tacos_report.story import chosen_words
 from tacos_report.study_data import CameraResult, Generation, StudyData, Tried, parts_of
@@ -55,11 +55,10 @@ def test_the_ranking_marks_the_design_and_not_its_first(narrow: bool) -> None:
 
 
 def test_the_ranking_of_a_phone_is_short_and_has_the_design() -> None:
-    _, table, folded = ranking.blocks(study())
+    _, table = ranking.blocks(study())
     assert isinstance(table, Table)
-    assert [row[0] for row in table.rows] == ["1", "2", "3", "5"]
-    assert isinstance(folded, Folded)
-    assert folded.summary == "The other 2 parts"
+    assert [row[0] for row in table.rows] == list("123456")
+    assert (table.first, table.kept) == (3, (4,))
 
 
 def test_a_ranking_of_cameras_marks_the_designed_one() -> None:
