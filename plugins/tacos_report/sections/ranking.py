@@ -64,7 +64,7 @@ def _again(study: StudyData, ranked: Sequence[RankedPart]) -> str:
         if variable.get("kind") == "catalog"
         and isinstance(value := other.camera.get(name := text(variable.get("name"))), Mapping)
     }
-    only = [f"--set 'design.{name}.only=[{part}]'" for name, part in chosen.items()]
+    only = [f"--set 'design.{name}.only=[{part}]'" for name, part in chosen.items() if part]
     return " ".join([command, *only, "--out runs/other_part"]) if only else ""
 
 
