@@ -125,7 +125,8 @@ class ImageMotion:
         depth_m = depth_m if depth_m.ndim == 2 else depth_m[frame]
         near = np.divide(np.float32(1), depth_m, dtype=np.float32)
         displaced: list[Displaced] = [context.motion.shown]
-        table_of = ids = still
+        table_of: NDArray[np.int32] = still
+        ids: NDArray[np.integer[Any]] = still
         if context.object_id is not None:
             ids = context.object_id if context.object_id.ndim == 2 else context.object_id[frame]
         if context.object_id is not None and context.motion.movers:

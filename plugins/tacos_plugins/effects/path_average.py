@@ -46,7 +46,13 @@ class Shown:
         middle: Paths,
     ) -> Shown:
         """By the (H, W) arrays of the frame and where things are in the middle of each row's exposure."""
-        shown = cls(*(np.empty(near.shape, kind) for kind in (np.float32, np.int32, np.float32, np.int32)))
+        size = near.shape
+        shown = cls(
+            near=np.empty(size, np.float32),
+            table_of=np.empty(size, np.int32),
+            depth_m=np.empty(size, np.float32),
+            object_id=np.empty(size, np.int32),
+        )
         nodes = np.empty(middle.row_shape, np.float32)
         grid = (middle.parts[0], middle.spacing_px, middle.widest, middle.alike)
         filled = (shown.near, shown.table_of, shown.depth_m, shown.object_id)
