@@ -126,9 +126,10 @@ class ImageMotion:
         near = np.divide(np.float32(1), depth_m, dtype=np.float32)
         displaced: list[Displaced] = [context.motion.shown]
         table_of: NDArray[np.int32] = still
-        ids: NDArray[np.integer[Any]] = still
+        ids: NDArray[np.int32] = still
         if context.object_id is not None:
-            ids = context.object_id if context.object_id.ndim == 2 else context.object_id[frame]
+            shown = context.object_id if context.object_id.ndim == 2 else context.object_id[frame]
+            ids = shown.astype(np.int32, copy=False)
         if context.object_id is not None and context.motion.movers:
             seen = np.bincount(ids.ravel(), minlength=max(context.motion.movers) + 1)
             moving = [each for each in sorted(context.motion.movers) if seen[each]]
