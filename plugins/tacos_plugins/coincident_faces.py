@@ -2,10 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
 _SAME_PLACE_M = 1e-4
+_LEVER_M = 0.1
+"""Planes are those of one sheet where places this far from each other in it are [m]."""
+_BESIDE = 1e-3
+"""Of its size, how far beside a triangle a place may lie by rounding [1]."""
+_MOST_PAIRS = 2_000_000
+"""Planes with more pairs of triangles that face each other hold more than a sheet."""
+_WITHIN = np.array(
+    [(1, 1, 1), (98, 1, 1), (1, 98, 1), (1, 1, 98), (49, 49, 2), (49, 2, 49), (2, 49, 49)], np.float64
+)
+"""Weights of corners of places within a triangle, up to their sum."""
 
 
 def numbered(rows: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -25,13 +37,13 @@ def numbered(rows: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def _places(points_m: NDArray[np.float64]) -> NDArray[np.int64]:
-    """(N,) a number for each point, equal for those hardly apart: sides of a sheet differ by rounding."""
+    """(N,) a number for each of (N, K) points, equal for those hardly apart: sides differ by rounding."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
     cell = numbered(np.round((points_m - points_m.min(axis=0)) / _SAME_PLACE_M).astype(np.int64))
-    one_of = np.zeros((int(cell.max()) + 1, 3))
+    one_of = np.zeros((int(cell.max()) + 1, points_m.shape[1]))
     one_of[cell] = points_m
     near = cKDTree(one_of).query_pairs(_SAME_PLACE_M, output_type="ndarray")  # a border between cells apart
     joined = coo_array((np.ones(len(near), bool), near.T), (len(one_of), len(one_of)))
@@ -66,6 +78,9 @@ def corners_behind(
 def other_sides(corners_m: NDArray[np.floating]) -> NDArray[np.int64]:
     """The triangle at the place of each that faces the other way; -1 where there is none.
 
+    Sides that are cut into triangles otherwise are sides of one sheet too: of several triangles behind one,
+    that behind its middle is given.
+
     A ray, or a depth buffer, cannot tell such two apart: which is seen has to follow from the side one looks
     from.
 
@@ -90,4 +105,54 @@ def other_sides(corners_m: NDArray[np.floating]) -> NDArray[np.int64]:
     first = np.full(int(number.max()) + 1, -1, np.int64)
     first[number[:count][::-1]] = np.arange(count)[::-1]
     flat = (corner == np.roll(corner, 1, axis=1)).any(axis=1)
-    return np.where(flat, -1, first[number[count:]])
+    same = np.where(flat, -1, first[number[count:]])
+    lonely = np.flatnonzero((same < 0) & ~flat)
+    same[lonely] = _behind_otherwise_cut(corners_m[lonely].astype(np.float64), lonely)
+    return same
+
+
+def _behind_otherwise_cut(corners_m: NDArray[np.float64], names: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The name of the triangle behind the middle of each that others cover, and that covers others."""
+    count = len(corners_m)
+    behind = np.full(count, -1, np.int64)
+    cross = np.cross(corners_m[:, 1] - corners_m[:, 0], corners_m[:, 2] - corners_m[:, 0])
+    normal = cross / np.maximum(np.linalg.norm(cross, axis=1, keepdims=True), 1e-300)
+    middle = corners_m.reshape(-1, 3).mean(axis=0) if count else np.zeros(3)
+    along = np.einsum("ij,ij->i", normal, corners_m.mean(axis=1) - middle)
+    plane = np.column_stack([normal * _LEVER_M, along])
+    number = _places(np.concatenate([plane, -plane])) if count else np.zeros(0, np.int64)
+    ahead, away = number[:count], number[count:]
+    shared = np.intersect1d(ahead, away)
+    for one, other in zip(_members(ahead, shared), _members(away, shared), strict=True):
+        if len(one) * len(other) > _MOST_PAIRS:
+            continue
+        kept = np.delete(np.arange(3), int(np.argmax(np.abs(normal[one[0]]))))
+        found, back = (
+            _covering(corners_m[a][..., kept], corners_m[b][..., kept])
+            for a, b in ((one, other), (other, one))
+        )
+        covered = (found >= 0) & (back[found] >= 0)
+        behind[one[covered]] = names[other[found[covered]]]
+    return behind
+
+
+def _members(number: NDArray[np.int64], chosen: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
+    """The indices that have each of the chosen numbers."""
+    order = np.argsort(number, kind="stable")
+    ordered = number[order]
+    for first, last in zip(
+        np.searchsorted(ordered, chosen), np.searchsorted(ordered, chosen, side="right"), strict=True
+    ):
+        yield order[first:last]
+
+
+def _covering(corners: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.int64]:
+    """For (T, 3, 2) triangles the one of (U, 3, 2) others at its middle; -1 where some of it is bare."""
+    places = np.einsum("pc,tcj->tpj", _WITHIN / _WITHIN.sum(axis=1, keepdims=True), corners)
+    origin, u, v = others[:, 0], others[:, 1] - others[:, 0], others[:, 2] - others[:, 0]
+    doubled = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    from_origin = places[:, :, None] - origin
+    second = (from_origin[..., 0] * v[:, 1] - from_origin[..., 1] * v[:, 0]) / doubled
+    third = (u[:, 0] * from_origin[..., 1] - u[:, 1] * from_origin[..., 0]) / doubled
+    inside = np.minimum(np.minimum(second, third), 1 - second - third) > -_BESIDE
+    return np.where(inside.any(axis=2).all(axis=1), inside[:, 0].argmax(axis=1), -1)

@@ -230,7 +230,10 @@ def _light_texels(
     ambient_visibility, buried = near_ambient_visibility(point, normal, on_surface, tracer)
     keep = np.flatnonzero(on_surface & ~buried)
     corners = mesh.triangles[met[keep]]
-    weights = _barycentric(mesh.position_m[corners], point[keep])
+    weights = np.clip(
+        _barycentric(mesh.position_m[corners], point[keep]), 0, 1
+    )  # beside one of a side cut otherwise
+    weights /= weights.sum(axis=1, keepdims=True)
     around = np.where(_unlit(world)[mesh.material[corners[:, 0]]], 1, ambient_visibility[keep])
     indirect = np.einsum("nc,ncj->nj", weights, mesh.indirect_lux[corners]) * around[:, None]
     light = _reflect(
