@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -52,6 +52,7 @@ def equivalence(model: CameraModel, pool: Pool, found: BestOfParts, fitness: Fit
     likely = model.draws_of([found.pool[i] for i in order], DRAWS_OF_MANY)
     reference = likely[:, order.index(best)][:, None]
     within = (likely >= reference - margin).mean(axis=0)
+    first = np.bincount(likely.argmax(axis=1), minlength=len(order)) / len(likely)
     equals = [found.pool[i].camera for i, p in zip(order, within, strict=True) if p >= TOLD_APART]
     probability: dict[str, float] = {}
     for i, p in zip(order, within.tolist(), strict=True):
@@ -65,10 +66,20 @@ def equivalence(model: CameraModel, pool: Pool, found: BestOfParts, fitness: Fit
         "rule": RULE,
         "parts": parts,
         "probability": {name: probability[name] for name in parts},
+        "optimal": [
+            _optimal(model, found.pool[order[j]].camera, first[j]) for j in np.argsort(-first) if first[j]
+        ],
         "range": _ranges(pool, equals),
         "derived_range": _derived_ranges(model, equals),
         "tolerance": _tolerances(model, pool, margin),
     }
+
+
+def _optimal(model: CameraModel, camera: Values, probability: float) -> dict[str, Any]:
+    """A camera, parts by their names, and the share of draws in which it is the best of all."""
+    derived = {name: value for name, value in model.record.derived(camera).items() if math.isfinite(value)}
+    named = {name: value["name"] if isinstance(value, Mapping) else value for name, value in camera.items()}
+    return {"camera": named, "derived": derived, "probability": float(probability)}
 
 
 def _hopeful(found: BestOfParts, pool: Pool, mean: np.ndarray) -> list[int]:

@@ -53,6 +53,12 @@ def tacos_components() -> list[Component]:
         ),
         Component(
             "procedure",
+            "known-answers",
+            "tacos_validation.known_answers.answers:KnownAnswers",
+            summary="Whether studies of known jobs find what engineers use for them.",
+        ),
+        Component(
+            "procedure",
             "check-gpu",
             "tacos_validation.gpu_checked.check:CheckGpu",
             summary="Whether the GPU renders what software renders, and how fast a study goes on it.",

@@ -119,6 +119,16 @@ def test_the_best_is_among_its_equals_and_pitch_may_be_anything():
     assert ends[0] - ends[1] < 25  # one per cent of the fitness is two degrees
 
 
+def test_draws_of_the_best_camera_lie_at_90_degrees_and_add_up():
+    optimal = analysed()["equivalent"]["optimal"]
+    shares = [each["probability"] for each in optimal]
+    assert sum(shares) == pytest.approx(1)
+    assert shares == sorted(shares, reverse=True)
+    near = sum(each["probability"] for each in optimal if 75 < each["derived"]["hfov_deg"] < 105)
+    assert near > 0.9
+    assert all(isinstance(each["camera"]["sensor"], str) for each in optimal)
+
+
 @given(st.floats(0, 0.2), st.floats(0, 0.2))
 @settings(max_examples=3, deadline=None)
 def test_a_wider_margin_has_no_fewer_equals(share, more):

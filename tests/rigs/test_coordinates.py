@@ -31,7 +31,22 @@ def test_those_of_the_flea3():
         "log2_width_px": pytest.approx(math.log2(4000)),
         "log2_height_px": pytest.approx(math.log2(3000)),
         "log2_pixel_um": pytest.approx(math.log2(1.55)),
+        "line_time_us": 0,
+        "mono": 0,
     }
+
+
+@pytest.mark.parametrize(
+    ("sensor", "line_time_us", "mono"),
+    [
+        ({"shutter": "rolling", "row_time_us": 18.9, "colour": "mono"}, 18.9, 1),
+        ({"shutter": "rolling (global reset)"}, 15, 0),
+        ({"shutter": "global", "row_time_us": 9.1, "colour": "colour"}, 0, 0),
+    ],
+)
+def test_sensors_of_one_size_differ_in_shutter_and_filters(sensor, line_time_us, mono):
+    found = monocular({**FLEA3, **sensor})
+    assert (found["line_time_us"], found["mono"]) == (line_time_us, mono)
 
 
 @given(scale=st.floats(0.25, 4))

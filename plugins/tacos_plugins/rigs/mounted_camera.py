@@ -130,6 +130,9 @@ DERIVED_UNITS = {
 }
 """Names and units of what :func:`derived_optics` gives."""
 
+ASSUMED_LINE_TIME_US = 15.0
+"""Of rolling shutters of which nobody states one: the median of known ones, as `effect.motion` assumes it."""
+
 
 def derived_optics(sensor: SensorPart, optics: Optics) -> dict[str, float]:
     """The quantities of :data:`DERIVED_UNITS` of one camera, for the pixels that are read out of its sensor.
@@ -151,7 +154,7 @@ def image_coordinates(sensor: SensorPart, optics: Optics, pitch_deg: float) -> d
     """What images of a camera depend on, as numbers along which they change evenly, by the pixels read out.
 
     Angles say what is in view. Pixel counts and pitch count by their ratios: from 1 to 2 um changes noise as
-    much as from 4 to 8 um.
+    much as from 4 to 8 um. Shutter and filters are those that are simulated where nobody states them.
 
     Examples
     --------
@@ -159,7 +162,8 @@ def image_coordinates(sensor: SensorPart, optics: Optics, pitch_deg: float) -> d
     >>> {name: round(value, 2) for name, value in image_coordinates(vga, Optics(2.0), -5.0).items()}
     ... # doctest: +NORMALIZE_WHITESPACE
     {'pitch_deg': -5.0, 'hfov_deg': 65.24, 'vfov_deg': 51.28,
-     'log2_width_px': 9.32, 'log2_height_px': 8.91, 'log2_pixel_um': 2.0}
+     'log2_width_px': 9.32, 'log2_height_px': 8.91, 'log2_pixel_um': 2.0,
+     'line_time_us': 0.0, 'mono': 0.0}
     """
     return {
         "pitch_deg": pitch_deg,
@@ -168,7 +172,16 @@ def image_coordinates(sensor: SensorPart, optics: Optics, pitch_deg: float) -> d
         "log2_width_px": math.log2(sensor.width_px),
         "log2_height_px": math.log2(sensor.height_px),
         "log2_pixel_um": math.log2(sensor.pixel_um),
+        "line_time_us": _line_time_us(sensor),
+        "mono": float(sensor.colour == "mono"),
     }
+
+
+def _line_time_us(sensor: SensorPart) -> float:
+    """Time from row to row of a rolling shutter; 0 of any other [us]."""
+    if sensor.exposes != "rolling":
+        return 0.0
+    return ASSUMED_LINE_TIME_US if sensor.row_time_us is None else sensor.row_time_us
 
 
 def mounted_camera(
