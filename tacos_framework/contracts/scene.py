@@ -33,6 +33,9 @@ class SceneBase:
     carrier: ClassVar[str] = ""
     """What carries the cameras through the world, in a word: ``person``, ``car``, ... Reports draw it."""
 
+    moves: str = ""
+    """How the cameras move through its world, as in "1 m/s, shaken as on a head". Reports say it."""
+
     one_world: ClassVar[bool] = False
     """Whether every episode is a trip through the same world, so that unseen scenes are other trips only."""
 

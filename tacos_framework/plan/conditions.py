@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from tacos_framework.contracts import SensorBase, optional
+from tacos_framework.contracts import SceneBase, SensorBase, optional
 from tacos_framework.plan.feasibility import derived_of
 from tacos_framework.plan.plan import Plan
 from tacos_framework.recipe import NamedScenario, Scenario
@@ -21,6 +21,9 @@ def conditions(plan: Plan) -> str:
     light = "; ".join(_scenario_words(each, designed) for each in plan.recipe.scenarios)
     if plan.exposure is not None:
         light += f", from which {plan.exposure.use} sets time and gain"
+    scenes = [node for node in plan.nodes.values() if node.use.startswith("scene.")]
+    moved = [optional(node.instance, SceneBase, "moves") for node in scenes]
+    light += "".join(f"; moving at {words}" for words in moved if words)
     effects = [*plan.effects, *(node for node in plan.nodes.values() if node.use.startswith("effect."))]
     said = [_effect_words(effect.use, effect.config.model_dump(exclude_unset=True)) for effect in effects]
     formed = f"effects of the camera: {', '.join(said)}" if said else "no effects beyond noise"

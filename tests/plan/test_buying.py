@@ -45,7 +45,7 @@ def test_each_chooses_among_products_and_says_where_its_constants_come_from(
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_bound_that_no_product_keeps_is_told_with_the_nearest(name: str, plugins: Plugins) -> None:
-    with pytest.raises(UserError, match="megapixels is .*, above the largest allowed value 0.01"):
+    with pytest.raises(UserError, match=r"megapixels is .*, above the largest allowed value 0\.01"):
         make_plan(recipe_of(name, constraints__megapixels__max=0.01), plugins)
 
 

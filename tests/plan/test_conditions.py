@@ -29,8 +29,16 @@ def test_light_exposure_effects_and_noise_are_said(plugins):
         plugins,
     )
     said = conditions(plan)
-    assert said.startswith("Simulated: 20 lux, 30 ms, f/2, 5 dB; effects of the camera: motion-blur (speed")
+    assert said.startswith(
+        "Simulated: 20 lux, 30 ms, f/2, 5 dB; moving at 1 m/s, not shaken; effects of the camera: "
+    )
+    assert "motion-blur (speed" in said
     assert "noise by sensor.camera, with figures assumed for 43 of 43 parts." in said
+
+
+def test_the_motion_of_the_cameras_is_said(plugins):
+    said = conditions(make_plan(load_recipe("headset_moving", {"nodes.world.motion_scale": 2}), plugins))
+    assert "; moving at 1 m/s, shaken as on a head (turning by 36 deg/s rms); effects" in said
 
 
 def test_what_is_designed_and_controlled_is_said(plugins):

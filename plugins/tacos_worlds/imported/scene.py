@@ -48,6 +48,13 @@ class ImportedScene:
         self._place: Place | None = None
 
     @property
+    def moves(self) -> str:
+        """How its cameras move; a recorded path says it itself."""
+        from tacos_worlds.kit.carried import motion_words
+
+        return motion_words(self.config, self.config.speed_m_s) if not self.config.path else ""
+
+    @property
     def place(self) -> Place:
         """The file, read, labelled, lit and with its floor found; made once.
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from tacos_framework import Episode, setting
-from tacos_worlds.kit.carried import CarriedSettings, carried
+from tacos_worlds.kit.carried import CarriedSettings, carried, motion_words
 from tacos_worlds.kit.piece import Piece
 
 if TYPE_CHECKING:
@@ -140,6 +140,11 @@ class IndoorScene:
             models = load_user_models(config.furniture_folder)
             self._pieces, self._images = models.pieces, models.images
             self.remarks = tuple(models.notes)
+
+    @property
+    def moves(self) -> str:
+        """How its cameras move."""
+        return motion_words(self.config, self.config.speed_m_s)
 
     def episode(self, *, rng: np.random.Generator, illumination_lux: float) -> Episode:
         """A new world and a trip through it.

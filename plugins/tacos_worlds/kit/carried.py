@@ -79,6 +79,28 @@ SHAKING: Mapping[str, Shaking] = {
 """What shakes how; turns and bobs of the way itself come on top."""
 
 
+def motion_words(config: CarriedSettings, speed_m_s: float) -> str:
+    """How a scene's cameras move, for its `moves`.
+
+    >>> motion_words(CarriedSettings(motion="head"), 1.0)
+    '1 m/s, shaken as on a head (turning by 18 deg/s rms)'
+    """
+    along = f"{speed_m_s:g} m/s"
+    if config.motion == "none" or config.motion_scale == 0:
+        return f"{along}, not shaken"
+    turning = config.motion_scale * float(np.linalg.norm(SHAKING[config.motion].turning_deg_s))
+    return f"{along}, shaken as {_ON[config.motion]} (turning by {turning:.2g} deg/s rms)"
+
+
+_ON = {
+    "head": "on a head",
+    "handheld": "in a hand",
+    "wheels": "on a robot with wheels",
+    "drone": "on a drone",
+    "car": "on a car",
+}
+
+
 def carried(rng: np.random.Generator, episode: Episode, config: CarriedSettings) -> Episode:
     """An episode whose agent shakes as its carrier does; the episode itself where nothing does."""
     if config.motion == "none" or config.motion_scale == 0:

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import model_validator
 
 from tacos_framework import Episode, Mover, setting
-from tacos_worlds.kit.carried import CarriedSettings, carried
+from tacos_worlds.kit.carried import CarriedSettings, carried, motion_words
 
 
 class StreetScene:
@@ -88,6 +88,11 @@ class StreetScene:
 
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @property
+    def moves(self) -> str:
+        """How its cameras move."""
+        return motion_words(self.config, self.config.speed_m_s)
 
     def episode(self, *, rng: np.random.Generator, illumination_lux: float) -> Episode:
         """A new town and a drive through it.
