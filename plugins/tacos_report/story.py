@@ -249,7 +249,7 @@ def chosen_words(study: StudyData) -> str:
         return ""
     if any(study.shows_design(candidate.camera) for candidate in study.scored):
         return "The star is the designed camera; a higher dot may owe its place to luck."
-    return "The designed camera is none of them: the optimizer recommended it from all it had seen."
+    return "The designed camera is none of them: the optimizer predicted from them that it is best."
 
 
 def size_words(study: StudyData) -> str:

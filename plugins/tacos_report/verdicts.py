@@ -47,7 +47,9 @@ def lead(decision: Decision) -> str:
     text = f"Difference in fitness, scene by scene: {signed(found.difference)}"
     if found.interval is not None:
         text += f", and with {_confidence(decision)} confidence {between(found.interval)}"
-        text += f", after {_scenes(found)}. The interval allows for the looks that were taken meanwhile."
+        text += (
+            f", after {_scenes(found)}. The interval allows for having looked at the results several times."
+        )
     else:
         text += f", after {_scenes(found)}, which are too few for an interval."
     if decision.margin > 0:

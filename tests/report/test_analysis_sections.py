@@ -82,7 +82,7 @@ def page(folder: Path) -> Page:
         "LINE4K megapixels is 31.2",
         "not stated: power",
         "5 of 43 parts lie within a margin of 0.012 of the best",
-        "Too little was seen of 2 more to rule them out; in brackets, how likely they are as good",
+        "The scenes do not rule out 2 more; in brackets, the probability that they are as good",
         "(21 %)",
         "1.9 mm to 4.4 mm",
         "Pixel count (less is better)",

@@ -86,7 +86,7 @@ def test_the_star_of_the_search_is_the_design_and_not_the_luckiest() -> None:
 def test_a_design_that_was_recommended_has_no_star_and_the_page_says_why() -> None:
     unseen = study(CameraResult("designed", "Designed camera", {**CHOSEN, "focal_length_mm": 3.1}, {}))
     assert ORANGE not in search_curve(unseen.generations, unseen.shows_design)
-    assert "none of them: the optimizer recommended it" in chosen_words(unseen)
+    assert "none of them: the optimizer predicted" in chosen_words(unseen)
 
 
 def test_the_space_names_the_design_and_not_the_luckiest() -> None:

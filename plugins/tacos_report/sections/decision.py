@@ -29,8 +29,8 @@ def blocks(study: StudyData) -> Iterator[Block]:
         yield in_both_widths(
             partial(forest, drawn, titles, indices, margin),
             "Fitness of the designed camera less that of each product, over the same unseen scenes: to the "
-            "right of zero the designed camera is better. Bars allow for every look that "
-            "was taken while scenes were added"
+            "right of zero the designed camera is better. Bars are wide enough for "
+            "looking at the results several times while scenes were added"
             + (". Within the shaded margin a difference counts as none." if margin else "."),
         )
     yield Table(

@@ -31,9 +31,9 @@ def blocks(study: StudyData) -> Iterator[Block]:
     if drawn:
         yield in_both_widths(
             partial(tolerances, drawn),
-            "Grey: where cameras within the margin lie, all variables free to follow. Orange: how far this "
-            "one may stray while the rest of the designed camera (the star) stays as it is. Ends are those "
-            "of the design space.",
+            "Grey: the values of cameras within the margin; others differ too. Orange: how far "
+            "this one variable may change while all others stay as in the designed camera (the star). Each "
+            "row spans the design space.",
         )
     yield Table(
         ("Variable", "Among all that will do", "Tolerance about the designed camera"),
@@ -64,9 +64,9 @@ def _parts_words(found: Equivalents, parts: Sequence[str], study: StudyData) -> 
 def _unsure_words(found: Equivalents, parts: Sequence[str]) -> str:
     """Parts that may be as good and probably are not."""
     named = ", ".join(f"{part} ({chance(found.probability[part])})" for part in parts)
-    them, they_are = ("it", "it is") if len(parts) == 1 else ("them", "they are")
-    few = f"Too little was seen of {len(parts)} more to rule {them} out"
-    return f"{few}; in brackets, how likely {they_are} as good: {named}."
+    they_are = "it is" if len(parts) == 1 else "they are"
+    few = f"The scenes do not rule out {len(parts)} more"
+    return f"{few}; in brackets, the probability that {they_are} as good: {named}."
 
 
 def _variable(study: StudyData, found: Equivalents, name: str) -> VariableRange | None:

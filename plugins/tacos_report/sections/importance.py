@@ -17,15 +17,15 @@ def blocks(study: StudyData) -> Iterator[Block]:
         return
     yield in_both_widths(
         partial(shares, found),
-        "Share of the variation of the fitness over the design space that goes when the variable is held "
-        "(Sobol indices): dark by itself, light together with the others it acts with. Where the light part "
-        "is long, the variable must be chosen together with others.",
+        "How much of the variance of the fitness a variable explains (Sobol indices): dark by "
+        "itself, light together with other variables. A long light part means that the variable has to be "
+        "chosen together with others.",
     )
     drawn = [influence for influence in found if len(influence.curve) > 1]
     if drawn:
         chosen = study.designed.camera if study.designed else {}
         yield in_both_widths(
             partial(curves, drawn, chosen),
-            "Fitness along each variable, everything else at its best; the band holds 95 % of what is "
-            "credible. The upright line is the designed camera.",
+            "Fitness along each variable, with all others at their best; the band is the 95 % credible "
+            "interval. The upright line is the designed camera.",
         )

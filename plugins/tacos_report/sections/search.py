@@ -22,7 +22,7 @@ def course(study: StudyData) -> Iterator[Block]:
     if study.scored:
         yield in_both_widths(
             partial(search_curve, study.generations, study.shows_design),
-            f"Every candidate is a dot, placed where it was done. {story.chosen_words(study)} The "
+            f"Every candidate is a dot, in the order of the search. {story.chosen_words(study)} The "
             "fitness here is on the scenes the camera was designed on, so it need not equal the one on "
             "unseen scenes.",
         )
@@ -49,8 +49,8 @@ def space(study: StudyData) -> Iterator[Block]:
         yield Heading(f"{words(name)}: the best that were tried")
         yield in_both_widths(
             partial(catalog_choices, name, scored, designed.get(name)),
-            "Every candidate with that choice is a dot: its other variables differ, so the spread along a "
-            "row is theirs. Orange is the part of the designed camera, where it was tried.",
+            "Every candidate with that part is a dot. Dots of one row differ in the other variables. "
+            "Orange is the part of the designed camera, where it was tried.",
         )
 
 
