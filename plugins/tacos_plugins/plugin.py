@@ -107,7 +107,7 @@ EFFECTS = {
         "saturation:Saturation",
         "Noisy samples cut off at a level below full scale: the full well.",
     ),
-    "crosstalk": ("crosstalk:Crosstalk", "Noisy samples shared with the eight neighbours; correlates noise."),
+    "crosstalk": ("crosstalk:Crosstalk", "Noisy samples shared with their neighbours; correlates noise."),
     "nonlinearity": (
         "nonlinearity:Nonlinearity",
         "A response that bends: a polynomial of the signal over full scale.",

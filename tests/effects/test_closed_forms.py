@@ -47,7 +47,8 @@ class Camera:
         dn = dn + wrong.get("rows", 0.0) * self.rng.standard_normal((HEIGHT, 1))
         if share := wrong.get("share"):
             kernel = np.full((3, 3), share)
-            kernel[1, 1] = 1 - 8 * share
+            kernel[::2, ::2] *= wrong.get("corners", 1.0)
+            kernel[1, 1] += 1 - kernel.sum()
             dn = cv2.filter2D(dn, -1, kernel)
         return np.asarray(np.clip(np.rint(dn), 0, 255), np.float32)
 
@@ -71,7 +72,7 @@ def told(cls: type, camera: Camera) -> dict[str, Estimate]:
         (Dsnu, {"columns": 0.5}, "column_sigma_dn", 0.5),
         (Prnu, {"prnu": 0.009}, "sigma", 0.009),
         (Vignetting, {"k1": -0.3}, "k1", -0.3),
-        (Crosstalk, {"share": 0.015}, "share", 0.0145),
+        (Crosstalk, {"share": 0.015}, "share", 0.015),
     ],
 )
 def test_what_is_there_is_seen_within_its_error_and_else_it_is_not(cls, wrong, parameter, value):
@@ -81,6 +82,14 @@ def test_what_is_there_is_seen_within_its_error_and_else_it_is_not(cls, wrong, p
     assert seen.value == pytest.approx(value, abs=4 * seen.standard_error + 0.03 * abs(value))
     absent = told(cls, Camera(2))
     assert not any(each.is_seen(0.0) for each in absent.values()), name
+
+
+@pytest.mark.parametrize("corners", [0.0, 0.5, 1.0])
+def test_noise_tells_whether_neighbours_at_corners_share(corners):
+    found = told(Crosstalk, Camera(4, share=0.03, corners=corners))
+    assert found["share"].value == pytest.approx(0.03, rel=0.1)  # rounding adds white noise
+    assert found["corners"].value == pytest.approx(corners, abs=0.1)
+    assert found["corners"].is_seen(1.0) == (corners < 1)
 
 
 def test_errors_of_a_pattern_hold_about_as_often_as_they_say():

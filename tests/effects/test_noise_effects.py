@@ -86,6 +86,14 @@ def test_crosstalk_is_a_correlation_with_equal_neighbours():
     np.testing.assert_allclose(run(make(Crosstalk, share=0.04), scene), expected, rtol=1e-12)
 
 
+def test_crosstalk_without_corners_is_shared_by_four():
+    scene = np.random.default_rng(9).uniform(20, 200, (1, 30, 40, 1))
+    kernel = [[0, 0.03, 0], [0.03, 0.88, 0.03], [0, 0.03, 0]]
+    expected = ndimage.correlate(scene[0, ..., 0], kernel, mode="reflect")
+    shared = run(make(Crosstalk, share=0.03, corners=0.0), scene)
+    np.testing.assert_allclose(shared[0, ..., 0], expected, rtol=1e-12)
+
+
 def test_crosstalk_correlates_the_noise_of_neighbours_by_about_twice_the_share():
     share = 0.01
     seen = run(make(Crosstalk, share=share), flats(height=200, width=200))

@@ -160,13 +160,13 @@ def shading(captures: Captures) -> Shading | None:
     return Shading(*(Measured(float(v), float(e)) for v, e in zip(values, np.hypot(own, apart), strict=True)))
 
 
-def neighbour_correlation(captures: Captures) -> Measured | None:
-    """Correlation of the noise of neighbours in a row or column of walls, the mean of both [1]."""
+def neighbour_correlation(captures: Captures, *, diagonal: bool = False) -> Measured | None:
+    """Correlation of the noise of neighbours beside each other in walls, or at a corner [1]."""
     found = []
     for wall in whole_walls(captures, frames=2):
         if wall.context.cfa is None:
             difference = np.subtract(*_middle(wall.real_dn[:2]))
-            found += [_correlation(part - part.mean()) for part in _parts(difference[None])]
+            found += [_correlation(part - part.mean(), diagonal) for part in _parts(difference[None])]
     return mean_of(found)
 
 
@@ -176,9 +176,13 @@ def is_white(captures: Captures) -> bool:
     return found is not None and abs(found.value) + SURE * found.standard_error < WHITE
 
 
-def _correlation(noise: NDArray[np.floating]) -> float:
-    along = np.mean(noise[:, :, 1:] * noise[:, :, :-1]) + np.mean(noise[:, 1:] * noise[:, :-1])
-    return float(along / 2 / max(float(np.mean(noise**2)), 1e-6))
+def _correlation(noise: NDArray[np.floating], diagonal: bool) -> float:
+    if diagonal:
+        pairs = (noise[:, 1:, 1:], noise[:, :-1, :-1]), (noise[:, 1:, :-1], noise[:, :-1, 1:])
+    else:
+        pairs = (noise[:, :, 1:], noise[:, :, :-1]), (noise[:, 1:], noise[:, :-1])
+    covariance = np.mean([float(np.mean(one * other)) for one, other in pairs])
+    return float(covariance / max(float(np.mean(noise**2)), 1e-6))
 
 
 def _is_large(capture: ObservedCapture) -> bool:
