@@ -6,7 +6,6 @@ import base64
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -278,15 +277,16 @@ def _templates() -> Environment:
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
 
+    loader = PackageLoader("tacos_report")
     environment = Environment(
-        loader=PackageLoader("tacos_report"),
+        loader=loader,
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
     environment.filters["svg"] = Markup
-    script = (files("tacos_report") / "templates" / "tables.js").read_text("utf-8")
+    script, *_ = loader.get_source(environment, "tables.js")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     environment.globals["policy"] = CONTENT_POLICY.format(digest)
     environment.globals["script"] = Markup(script)
