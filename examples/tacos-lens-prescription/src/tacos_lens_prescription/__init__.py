@@ -1,0 +1,1 @@
+"""Effects of a lens that is known by its prescription."""
