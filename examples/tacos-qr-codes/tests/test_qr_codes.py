@@ -79,9 +79,9 @@ def test_its_recipe_is_checked() -> None:
 
 
 def test_a_narrow_lens_reads_what_a_wide_one_cannot(tmp_path: Path) -> None:
-    """At 1.2 m a module of 8 cm / 29 is 2.3 mm: 3 px at 4.5 mm of focal length, 0.6 px at 1 mm."""
+    """At 1.2 m a module of 80 mm / 29 takes 3.4 px at 5.5 mm of focal length, and 1.2 px at 2 mm."""
     rates = []
-    for focal_mm in (1.0, 4.5):
+    for focal_mm in (2.0, 5.5):
         changes = {
             "design.focal_length_mm": {"between": [focal_mm, 1.01 * focal_mm]},
             "nodes.world.frames": 4,

@@ -26,6 +26,9 @@ class QrCodes:
         """Settings of the task."""
 
         camera: int = setting(0, help="Which camera of the rig reads.", ge=0)
+        enlarged: int = setting(
+            2, help="Frames are enlarged by this first: the detector itself reduces large ones.", ge=1, le=4
+        )
 
     wants: ClassVar[Literal["grey"]] = "grey"
     scores: ClassVar[tuple[str, ...]] = ("read_rate", "frames_per_label")
@@ -37,24 +40,25 @@ class QrCodes:
 
     def begin(self, *, state: State | None) -> Reader:
         """A reader for one episode."""
-        return Reader(self.config.camera)
+        return Reader(self.config)
 
 
 class Reader:
     """Keeps what was read, not the frames."""
 
-    def __init__(self, camera: int) -> None:
-        self._camera = camera
+    def __init__(self, config: QrCodes.Config) -> None:
+        self._config = config
         self._detector = cv2.QRCodeDetector()
         self._labels: set[str] = set()
         self._read: list[str] = []
 
     def update(self, frames: FrameBatch) -> None:
         """Read the next batch."""
-        things = frames.episode.world.objects
+        by, things = self._config.enlarged, frames.episode.world.objects
         self._labels |= {thing.name for thing in things if thing.class_name == CLASS_NAME}
-        for image in frames.images[self._camera]:
-            found, texts, _, _ = self._detector.detectAndDecodeMulti(image)
+        for image in frames.images[self._config.camera]:
+            large = cv2.resize(image, None, fx=by, fy=by, interpolation=cv2.INTER_CUBIC)
+            found, texts, _, _ = self._detector.detectAndDecodeMulti(large)
             self._read += self._labels.intersection(texts) if found else []
 
     def scores(self) -> Scores:

@@ -12,7 +12,7 @@ from tacos_framework import Episode, Light, Material, MeshPart, Object, Settings
 CLASS_NAME = "qr-code"
 """Class of the objects that are labels; each is called by what its code says."""
 HEIGHT_M, DEPTH_M, LIFT_M = 2.5, 3.0, 0.002
-ROWS = (0.9, 1.5, 2.1)
+ROWS_M = (1.25, 1.5, 1.75)
 TEXTURE_PX = 512
 
 
@@ -61,10 +61,11 @@ class QrShelf:
             rectangle((shelf_x, 0, up), (0, -wide, 0), (0, 0, up), 0, 0),
         ]
         for i, shift_m in enumerate(shifts_m):
-            centre = (shelf_x - LIFT_M, 0.5 * (i // 3 + 0.5) - length_m / 2 + shift_m, ROWS[i % 3])
+            centre = (shelf_x - LIFT_M, 0.5 * (i // 3 + 0.5) - length_m / 2 + shift_m, ROWS_M[i % 3])
             parts.append(rectangle(centre, (0, -half, 0), (0, 0, half), 1 + i, 1 + i))
+        drawn = (ROWS_M, texts, shifts_m.tolist(), illumination_lux)
         return World(
-            key=f"tacos_qr_codes.shelf {config.model_dump_json()} {texts} {shifts_m} {illumination_lux!r}",
+            key=f"tacos_qr_codes.shelf {config.model_dump_json()} {drawn!r}",
             parts=tuple(parts),
             materials=(Material("board", np.full(3, 0.5)), *(printed(text, 2 * half) for text in texts)),
             objects=(Object("background", "background"), *(Object(text, CLASS_NAME) for text in texts)),
