@@ -31,6 +31,9 @@ SIGNIFICANT = 0.05
 NAMED = 0.1
 """Score above which the statistic that holds most of what is left is named."""
 
+_TESTS = 2
+"""Of blocks, and of statistics over all captures: the p-value of one is multiplied for the other."""
+
 SLACK = 1.25
 """What a right model of a real camera may leave: its formulas are not the camera's own [noise floor]."""
 
@@ -92,7 +95,8 @@ def unexplained(problem: Problem, residuals: ReplicateResiduals) -> Unexplained:
     """Test residuals against the noise floor of the hypothesis they are left by.
 
     The most extreme of all blocks (a capture and a statistic) decides, so that an effect that shows in one
-    place only is seen.
+    place only is seen; or the most extreme statistic over all captures, as of hundreds of blocks some differ
+    by luck as much as an effect that all captures share differs in each.
     """
     z = residuals.z
     # what there was, too, in units of the hypothesis: a noisier one must not seem to explain by that alone
@@ -100,11 +104,11 @@ def unexplained(problem: Problem, residuals: ReplicateResiduals) -> Unexplained:
     size = floor_rms(residuals.replicates)
     blocks, names = block_index(problem), block_names(problem)
     test = block_test(z, residuals.replicates, blocks, SLACK)
-    p_value = test.family_p_value()
+    over_captures, statistic = _over_captures(z, residuals.replicates, problem)
+    p_value = min(test.family_p_value(), _TESTS * over_captures.family_p_value(), 1.0)
     share = _share_left(z, null, residuals.replicates, blocks, names)
     score = _doubt(share) * (1 - p_value) if p_value < SIGNIFICANT else 0.0
     own = np.bincount(blocks, z**2, len(names))
-    significant = test.p_values <= test.least_p_value(SIGNIFICANT)
     worst = int(np.argmax(own)) if len(own) else 0
     stages = {block: label.stage for block, label in zip(blocks.tolist(), problem.labels, strict=True)}
     part = _PartwiseDoubt(z, null, residuals.replicates, blocks, test)
@@ -116,9 +120,29 @@ def unexplained(problem: Problem, residuals: ReplicateResiduals) -> Unexplained:
         names[worst][1] if score > NAMED else None,
         part.by([stages[k] for k in range(len(names))]),
         part.by([capture for capture, _ in names]),
-        negligible=not np.any(significant & (own > np.bincount(blocks, minlength=len(names)))),
+        negligible=not (
+            _matters(test, z, blocks, SIGNIFICANT)
+            or _matters(over_captures, z, statistic, SIGNIFICANT / _TESTS)
+        ),
         worst=names[worst][1] if names else None,
     )
+
+
+def _over_captures(
+    z: NDArray[np.float64], replicates: NDArray[np.float64], problem: Problem
+) -> tuple[BlockTest, NDArray[np.int64]]:
+    """The test of each statistic over all captures, and (K,) which statistic each number is of."""
+    order: dict[str, int] = {}
+    index = np.array(
+        [order.setdefault(label.statistic, len(order)) for label in problem.labels], dtype=np.int64
+    )
+    return block_test(z, replicates, index, SLACK), index
+
+
+def _matters(test: BlockTest, z: NDArray[np.float64], blocks: NDArray[np.int64], p_value: float) -> bool:
+    """Whether any block is significant and beyond the noise floor."""
+    significant = test.p_values <= test.least_p_value(p_value)
+    return bool(np.any(significant & (np.bincount(blocks, z**2) > np.bincount(blocks))))
 
 
 def doubt_beside(problem: Problem, with_it: NDArray[np.float64], without: NDArray[np.float64]) -> float:
