@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tacos_plugins.effects.observations import edges_or_known_motion
+from tacos_plugins.effects.observations import edges_of_one_direction, edges_or_known_motion
 from tests.gap.small_captures import HEIGHT, WIDTH, capture
 
 
@@ -24,4 +24,6 @@ def straight(across_deg: float):
     ("across_deg", "shown"), [((5,), False), ((5, -7, 178), False), ((5, -7, 97), True), ((85, 5), True)]
 )
 def test_straight_edges_show_motion_from_two_directions_on(across_deg, shown):
-    assert edges_or_known_motion([straight(angle) for angle in across_deg]) == shown
+    captures = [straight(angle) for angle in across_deg]
+    assert edges_or_known_motion(captures) == shown
+    assert edges_of_one_direction(captures) != shown

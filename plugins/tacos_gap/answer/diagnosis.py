@@ -93,6 +93,7 @@ def diagnose(
     """
     tell = notify or (lambda text: None)
     considered = effects if isinstance(effects, Candidates) else Candidates(effects)
+    installed = considered.effects
     for beyond, by in ((beyond_own_edges, EDGES_ALONE), (beyond_even_fields, EVEN_FIELDS_ALONE)):
         considered = considered.without_these(beyond(folder.captures, considered.effects), by)
     folder = boards_found(folder)
@@ -115,13 +116,14 @@ def diagnose(
             looked_for = considered.excluding(excluded(told))
             terms = kept_terms(begun, looked_for) or seen_terms(told, looked_for)
             search = ForwardSelection(problem, looked_for, workers, tell, affordable, terms, kept)
-            found = _explained(search, folder.captures, considered.effects, seed, workers, tell)
+            found = _explained(search, folder.captures, considered.effects, installed, seed, workers, tell)
         except Exception as error:
             culprit = culprit_of(error)
             name = culprit.use.removeprefix("effect.") if culprit else ""
-            if name not in considered.effects:
+            if name not in installed:
                 raise
             considered = considered.without(name, error)
+            installed = {other: cls for other, cls in installed.items() if other != name}
             told = tuple(form for form in told if form.effect != name)
             tell(considered.limitations[-1])
         else:
@@ -143,18 +145,25 @@ def _explained(
     search: ForwardSelection,
     captures: Sequence[RealCapture],
     effects: Mapping[str, type[Any]],
+    installed: Mapping[str, type[Any]],
     seed: int,
     workers: int,
     tell: Notify,
 ) -> Diagnosis:
-    """What some effects explain of the evidence."""
+    """What some effects explain of the evidence.
+
+    Parameters
+    ----------
+    installed
+        Those that were looked for, and those that the captures cannot show, and so cannot tell from others.
+    """
     tell("trying effects")
     attribution = search.run()
     best, problem = attribution.best, attribution.problem
     left = unexplained(problem, problem.replicate_residuals(best.hypothesis))
     tell("how far the gap shrinks")
     held = held_out(attribution)
-    causes = causes_of(problem, attribution, left, held, captures, effects, seed)
+    causes = causes_of(problem, attribution, left, held, captures, installed, seed)
     if left.score >= 0.5:  # a little of everything fits what nothing explains
         causes = [c for c in causes if c.shapley >= LEAST_BESIDE_UNKNOWN or c.is_proven]
     gaps = resampled_gaps(problem, np.stack([problem.null, held.left]), generator(seed, "closure"))
@@ -164,7 +173,7 @@ def _explained(
     places = locate(problem, problem.null)
     if places and not best.hypothesis:  # what survives the false-discovery rate is a gap, however small
         left = replace(left, score=max(left.score, LEAST_PRESENT), where=places[0].statistic)
-    cause_set, wanted = cause_set_of(causes, attribution, captures, effects)
+    cause_set, wanted = cause_set_of(causes, attribution, captures, installed)
     if not causes and left.score < 0.5:
         cause_set, wanted = hidden_by_pose(problem.evidence, effects)
     if wanted is None and (len(cause_set) > max(len(causes), 1) or left.score > 0.5):

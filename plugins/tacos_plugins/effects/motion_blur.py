@@ -12,6 +12,7 @@ from tacos_framework import (
     Captures,
     ImageContext,
     ImageGeometry,
+    LookAlike,
     Settings,
     ShownBy,
     Stage,
@@ -19,6 +20,7 @@ from tacos_framework import (
     setting,
     structured,
 )
+from tacos_plugins.effects import observations
 from tacos_plugins.effects.blur import blur, kernel_of, line_transfer
 from tacos_plugins.effects.shown_by import EDGES_OR_MOTION
 
@@ -64,6 +66,15 @@ class MotionBlur:
         {"length_px": 5.0, "angle_deg": 45.0},
         {"length_px": 5.0, "angle_deg": 90.0},
         {"length_px": 5.0, "angle_deg": 135.0},
+    )
+    look_alikes: ClassVar[Sequence[LookAlike]] = tuple(
+        LookAlike(
+            other,
+            observations.edges_of_one_direction,
+            "edge",
+            "an edge across the other, with the same settings: motion blurs along one line, a lens all round",
+        )
+        for other in ("defocus", "lens-blur")
     )
     shown_by: ClassVar[Sequence[ShownBy]] = (EDGES_OR_MOTION,)
 

@@ -112,6 +112,11 @@ def edges_or_known_motion(captures: Captures) -> bool:
     return known_motion(captures) or of_all or _span_deg([_across_deg(each) for each in seen]) > APART_DEG
 
 
+def edges_of_one_direction(captures: Captures) -> bool:
+    """Sharpness is seen on straight edges of one direction alone, which blur along a line spreads as any."""
+    return bool(structured(captures)) and not edges_or_known_motion(captures)
+
+
 def _across_deg(capture: ObservedCapture) -> float:
     """The direction across a straight edge, from the columns, by what is expected [deg]."""
     assert capture.expected_dn is not None
