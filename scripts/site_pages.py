@@ -43,9 +43,11 @@ _LINK = re.compile(r"\[(?P<title>[^]]+)\]\((?P<page>[^)#:]+\.md)\)")
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
     """Take the navigation from the index: a tab for each heading, a page for each of its links."""
-    config.nav = [{"Home": "index.md"}, *navigation(Path(config.docs_dir, "index.md").read_text("utf-8"))]
-    config.nav[-1]["Look up"] += [{title: page_of(title, "reference")} for title in pages_of_the_site()]
-    config.nav.append({"API": [{title: page_of(title)} for title in api_pages()]})
+    sections = list(navigation(Path(config.docs_dir, "index.md").read_text("utf-8")))
+    look_up = next(section["Look up"] for section in sections if "Look up" in section)
+    look_up += [{title: page_of(title, "reference")} for title in pages_of_the_site()]
+    api = {"API": [{title: page_of(title)} for title in api_pages()]}
+    config.nav = [{"Home": "index.md"}, *sections, api]
     return config
 
 

@@ -13,7 +13,9 @@ from tests.docs.pages import ROOT
 if find_spec("mkdocs") is None:
     pytest.skip("needs the extra docs", allow_module_level=True)
 
-from scripts.site_pages import api_pages, names_for_users, navigation
+from mkdocs.config.defaults import MkDocsConfig
+
+from scripts.site_pages import api_pages, names_for_users, navigation, on_config
 
 DOCS = ROOT / "docs"
 
@@ -24,6 +26,14 @@ def test_navigation_names_each_page_once() -> None:
     named = [page for entry in entries for page in entry.values()]
     written = {str(page.relative_to(DOCS)) for page in DOCS.rglob("*.md")} - {"index.md"}
     assert sorted(named) == sorted(written)
+
+
+def test_settings_and_keys_are_looked_up_in_the_site() -> None:
+    config = MkDocsConfig()
+    config.docs_dir = str(DOCS)
+    sections = {name: pages for section in on_config(config).nav or [] for name, pages in section.items()}
+    assert {"Keys of a recipe": "reference/keys_of_a_recipe.md"} in sections["Look up"]
+    assert list(sections)[-1] == "API"
 
 
 def test_each_public_name_of_the_core_is_described_once() -> None:
