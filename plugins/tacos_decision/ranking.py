@@ -43,8 +43,15 @@ def ranking(model: CameraModel, pool: Pool, found: BestOfParts, margin: float) -
     if not entries:
         return []
     cameras = [camera for _, camera in entries]
-    draws = model.draws([*cameras, *(best for _, best in products.values())])
-    ahead = _ahead_on_test_scenes(model, list(products))
+    at_their_best = [best for _, best in products.values()]
+    measured = _ahead_on_test_scenes(model, list(products))
+    tested = _tested(model, list(measured))
+    draws = model.draws([*cameras, *at_their_best, *tested])  # together, so that what is the same cancels
+    designed = len(cameras) + len(at_their_best)
+    ahead = {
+        name: difference - (draws[:, designed] - draws[:, designed + j])
+        for j, (name, difference) in enumerate(measured.items(), 1)
+    }
     low, high = interval(draws)
     mean = draws.mean(axis=0)
     unknown = _unknown(model, cameras)
@@ -71,27 +78,27 @@ def ranking(model: CameraModel, pool: Pool, found: BestOfParts, margin: float) -
 
 
 def _ahead_on_test_scenes(model: CameraModel, products: Sequence[str]) -> dict[str, Array]:
-    """(DRAWS,) what the test tells of the designed camera less each product, less what the model tells of it.
+    """(DRAWS,) what the test tells of the designed camera less each product that was scored on its scenes.
 
     A scene where one of two cameras fails has a tail that the model's Gaussians lack. So that a probability
     says what the verdict beside it says, the difference of the two that were tested is the test's own, and
     the model carries it to other parts and optics.
     """
     record, rng = model.record, np.random.default_rng(model.record.recipe.seed)
-    camera_of = {each.name: each.camera for each in record.cameras}
     shares = (np.arange(DRAWS) + 0.5) / DRAWS
     measured = {}
     for name in products:
         found = record.comparisons.get(name)
         if found is not None and (quantiles := found.quantiles(shares)) is not None:
             measured[name] = rng.permutation(quantiles)
-    tested = [camera_of[record.designed], *(camera_of[name] for name in measured)]
-    if not measured or None in tested:
-        return {}
-    modelled = model.draws([camera for camera in tested if camera is not None])
-    return {
-        name: ahead - (modelled[:, 0] - modelled[:, j]) for j, (name, ahead) in enumerate(measured.items(), 1)
-    }
+    return measured
+
+
+def _tested(model: CameraModel, products: Sequence[str]) -> list[Values]:
+    """The designed camera and the products, as they were tested; none without products."""
+    camera_of = {each.name: each.camera for each in model.record.cameras}
+    names = [model.record.designed, *products] if products else []
+    return [camera for name in names if (camera := camera_of[name]) is not None]
 
 
 def at_its_best(model: CameraModel, product: StudiedCamera, camera: Values, margin: float) -> Values:
