@@ -11,6 +11,8 @@ import pytest
 
 from tacos_framework.cli.tacos import main
 from tacos_plugins.rigs.calibration_files import CalibratedLens
+from tacos_worlds.recorded.imports.found import FoundFrame, FoundRecording
+from tacos_worlds.recorded.imports.writing import write_recording
 from tacos_worlds.recorded.reader import read_recording
 
 STEP_NS = 50_000_000
@@ -91,6 +93,21 @@ def test_the_calibration_of_euroc_comes_along(tmp_path: Path) -> None:
     )
     lens = CalibratedLens.model_validate(str(tmp_path / "out" / "camera.yaml"))
     assert (lens.focal_length_px, lens.coefficients[0], lens.projection) == (50.0, -0.1, "rectilinear")
+
+
+def test_frames_that_can_only_be_read_one_after_the_other_keep_their_stamps(tmp_path: Path) -> None:
+    left = iter([30, 10, 20])
+
+    def read() -> np.ndarray:
+        return np.full((4, 6), next(left), np.uint8)
+
+    frames = tuple(FoundFrame("", stamp_ns, 1.0, read) for stamp_ns in (3, 1, 2))
+    write_recording(FoundRecording("a video out of order", frames), tmp_path / "out", None)
+    rows = (tmp_path / "out" / "times.csv").read_text().splitlines()[1:]
+    levels = {
+        row.split(",")[1]: int(cv2.imread(str(tmp_path / "out" / row.split(",")[0]), 0)[0, 0]) for row in rows
+    }
+    assert levels == {"1": 10, "2": 20, "3": 30}
 
 
 def test_exposures_of_a_table_are_kept_in_any_unit(tmp_path: Path) -> None:

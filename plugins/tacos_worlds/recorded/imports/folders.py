@@ -111,8 +111,8 @@ def _table(folder: Path) -> Iterator[FoundFrame]:
     for number, cells in lines:
         row, where = dict(zip(heads, cells, strict=False)), f"{table}:{number}"
         try:
-            known = exposure is not None and row.get(exposure, "") != ""
-            exposure_ms = float(row[exposure]) * _EXPOSURE_MS[exposure] if known and exposure else None
+            stated = exposure and row.get(exposure)
+            exposure_ms = float(stated) * _EXPOSURE_MS[exposure] if exposure and stated else None
             scale = _STAMP_NS[stamp]
             stamp_ns = int(row[stamp]) if scale == 1 else round(float(row[stamp]) * scale)
         except (KeyError, ValueError) as error:

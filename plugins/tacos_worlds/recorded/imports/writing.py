@@ -29,9 +29,12 @@ def write_recording(found: FoundRecording, out: Path, exposure_ms: float | None)
         When the folder exists and is not empty, or a frame cannot be read.
     """
     made_folder(out)
-    lines, coloured, unknown = ["file,taken_ns,exposure_ms"], 0, 0
+    lines, coloured, unknown = dict[int, str](), 0, 0
     digits = len(str(len(found.frames)))
-    for number, frame in enumerate(sorted(found.frames, key=lambda each: each.stamp_ns)):
+    places = np.argsort(np.argsort([each.stamp_ns for each in found.frames], kind="stable"))
+    for frame, number in zip(
+        found.frames, places.tolist(), strict=True
+    ):  # in their order, as videos are read
         image = np.squeeze(frame.read())
         if image.ndim == 3:
             image, coloured = image[..., _GREEN], coloured + 1
@@ -39,8 +42,9 @@ def write_recording(found: FoundRecording, out: Path, exposure_ms: float | None)
         unknown += own_ms is None
         name = f"{number:0{digits}d}.png"
         cv2.imwrite(str(out / name), image if image.dtype == np.uint8 else image.astype(np.uint16))
-        lines.append(f"{name},{frame.stamp_ns},{'' if own_ms is None else f'{own_ms:g}'}")
-    (out / TIMES).write_text("\n".join(lines) + "\n", encoding="utf-8")
+        lines[number] = f"{name},{frame.stamp_ns},{'' if own_ms is None else f'{own_ms:g}'}"
+    rows = [lines[number] for number in sorted(lines)]
+    (out / TIMES).write_text("\n".join(["file,taken_ns,exposure_ms", *rows]) + "\n", encoding="utf-8")
     if found.camera:
         (out / "camera.yaml").write_text(found.camera, encoding="utf-8")
     said = [f"{len(found.frames)} frames ({found.layout}) in {out}."]
