@@ -6,6 +6,7 @@ from .colour import LUMINANCE_WEIGHTS as LUMINANCE_WEIGHTS
 from .colour import display_image as display_image
 from .colour import luminance as luminance
 from .colour import srgb_from_linear as srgb_from_linear
+from .exposure import TYPICAL_ROW_TIME_US as TYPICAL_ROW_TIME_US
 from .exposure import exposure_per_luminance as exposure_per_luminance
 from .exposure import gain_factor as gain_factor
 from .geometry import agent_from_camera as agent_from_camera

@@ -10,16 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import Camera, ImageContext, ImageGeometry, Rig, Settings, ShownBy, Stage, setting
+from tacos_framework.camera import TYPICAL_ROW_TIME_US
 from tacos_plugins.effects.image_paths import ImageMotion, RowAfter
 from tacos_plugins.effects.path_average import Shown, along_paths
 from tacos_plugins.effects.shown_by import MOTION
 
 _NOWHERE_PX = 1e-3
 """Who moves less stands still [px]."""
-
-TYPICAL_ROW_TIME_US = 15.0
-"""Median over 24 rolling-shutter sensors of robots, phones and cars whose line time follows from the
-registers that Linux drivers write, at full resolution; 4.9 to 52 us [us]."""
 
 
 class Motion:

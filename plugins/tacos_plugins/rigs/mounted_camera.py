@@ -9,7 +9,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from tacos_framework import CURRENCIES, Camera, Lens, Projection, Settings, setting
-from tacos_framework.camera import agent_from_camera
+from tacos_framework.camera import TYPICAL_ROW_TIME_US, agent_from_camera
 from tacos_plugins.rigs.optics import Optics, optics_for
 from tacos_plugins.rigs.sensor_part import SensorPart
 
@@ -130,9 +130,6 @@ DERIVED_UNITS = {
 }
 """Names and units of what :func:`derived_optics` gives."""
 
-ASSUMED_LINE_TIME_US = 15.0
-"""Of rolling shutters of which nobody states one: the median of known ones, as `effect.motion` assumes it."""
-
 
 def derived_optics(sensor: SensorPart, optics: Optics) -> dict[str, float]:
     """The quantities of :data:`DERIVED_UNITS` of one camera, for the pixels that are read out of its sensor.
@@ -181,7 +178,7 @@ def _line_time_us(sensor: SensorPart) -> float:
     """Time from row to row of a rolling shutter; 0 of any other [us]."""
     if sensor.exposes != "rolling":
         return 0.0
-    return ASSUMED_LINE_TIME_US if sensor.row_time_us is None else sensor.row_time_us
+    return TYPICAL_ROW_TIME_US if sensor.row_time_us is None else sensor.row_time_us
 
 
 def mounted_camera(
