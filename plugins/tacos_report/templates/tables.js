@@ -73,7 +73,7 @@ function makeFilter(region, body, first) {
   field.addEventListener("input", show);
   if (body.rows.length >= ROWS_TO_FILTER) bar.append(field);
   bar.append(more);
-  region.before(bar);
+  region.prepend(bar); // beside others, a region is a cell of its row
   show();
   return { bar, show };
 }
