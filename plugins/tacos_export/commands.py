@@ -14,7 +14,6 @@ FORMATS = ("coco", "kitti", "euroc", "tum", "yolo", "bop", "nerf", "colmap", "pn
 
 
 def commands() -> list[Command]:
-    """The commands; importing this is light."""
     return [Command("export", "write a camera or rendered data for other programs", _arguments, _export)]
 
 

@@ -8,5 +8,4 @@ from tacos_framework import Command, hookimpl
 
 @hookimpl
 def tacos_commands() -> list[Command]:
-    """``tacos export``."""
     return commands()

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the actions of ``tacos captures`` to its parser."""
     actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
     guide = actions.add_parser("guide", help="say what to photograph, in order")
     guide.add_argument("effect", metavar="EFFECT", nargs="?", help="what this effect needs, e.g. vignetting")
@@ -90,7 +89,6 @@ def _add_import(actions: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 
 def captures(arguments: argparse.Namespace) -> int:
-    """Run the chosen action."""
     actions = {"guide": _guide, "import": _import, "simulate": _simulate, "view": _view, "check": _check}
     return actions[arguments.action](arguments)
 

@@ -8,7 +8,6 @@ from tacos_gap import commands
 
 @hookimpl
 def tacos_components() -> list[Component]:
-    """The diagnosis, and captures to rehearse it with."""
     return [
         Component(
             "procedure",
@@ -27,7 +26,6 @@ def tacos_components() -> list[Component]:
 
 @hookimpl
 def tacos_commands() -> list[Command]:
-    """``tacos captures``."""
     return [
         Command(
             "captures",
@@ -40,7 +38,6 @@ def tacos_commands() -> list[Command]:
 
 @hookimpl
 def tacos_reference_pages() -> list[ReferencePage]:
-    """The keys of ``captures.yaml``."""
     from tacos_gap.captures.reference import captures_page
 
     return [ReferencePage("captures.md", captures_page)]

@@ -9,7 +9,6 @@ from tacos_framework import DONE, FAILED, Command, Fault, UserError
 
 
 def commands() -> list[Command]:
-    """The commands; importing this is light."""
     return [
         Command("report", "write the report of a study anew", _arguments, _report),
         Command("verify", "check the files of a study: what is whole, what is damaged", _arguments, _verify),
@@ -21,7 +20,6 @@ def _arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _report(arguments: argparse.Namespace) -> int:
-    """Have all plugins report on a results folder."""
     from tacos_framework import Plugins
     from tacos_framework.store import read_result
 
@@ -40,7 +38,6 @@ def _report(arguments: argparse.Namespace) -> int:
 
 
 def _verify(arguments: argparse.Namespace) -> int:
-    """Check a results folder against its database."""
     from tacos_report.verifying import verify
 
     checks = verify(arguments.folder)

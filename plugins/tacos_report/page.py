@@ -78,9 +78,9 @@ class Table:
     colours
         A CSS colour per head, "" for none.
     row_heads
-        Whether the first cell of each row is its heading.
+        True if the first cell of each row is its heading.
     total
-        Whether the last row sums up the others.
+        True if the last row sums up the others.
     first
         How many rows are shown until all are asked for, where the reader's program can ask; 0 for all.
     kept
@@ -108,8 +108,6 @@ class Code:
 
 @dataclass(frozen=True)
 class Heading:
-    """A heading within a section."""
-
     text: str
     kind: Literal["heading"] = "heading"
 
@@ -198,8 +196,6 @@ Block = (
 
 @dataclass(frozen=True)
 class Section:
-    """A part of a page."""
-
     title: str
     blocks: tuple[Block, ...]
 

@@ -70,10 +70,7 @@ def side_by_side(cameras: Sequence[CameraResult], gap: float = 1.6) -> list[Fram
 
     Where a field of view is not known, all frames get the same width and start at the top.
 
-    Parameters
-    ----------
-    gap
-        Space between frames [percent of the row].
+    `gap`: space between frames [percent of the row].
     """
     room = 100.0 - gap * (len(cameras) - 1)
     if not all({"hfov_deg", "vfov_deg"} <= camera.derived.keys() for camera in cameras):

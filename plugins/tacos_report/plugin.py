@@ -12,7 +12,6 @@ from tacos_report.watching import commands as watch
 
 @hookimpl
 def tacos_commands() -> list[Command]:
-    """``tacos report`` and ``tacos watch``."""
     return [*report.commands(), *watch.commands()]
 
 

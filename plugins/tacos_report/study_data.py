@@ -172,13 +172,7 @@ def parts_of(camera: Mapping[str, Any]) -> dict[str, str]:
 
 
 def read_study(folder: Path) -> StudyData:
-    """Read a results folder.
-
-    Raises
-    ------
-    UserError
-        Where ``result.json`` is missing or is not a JSON object.
-    """
+    """Read a results folder. Raises UserError where ``result.json`` is missing or is not a JSON object."""
     result = read_result(folder)
     generations = read_generations(folder / "generations.jsonl")
     recipe = _text(folder / "recipe.yaml")
@@ -201,7 +195,6 @@ def read_study(folder: Path) -> StudyData:
 
 
 def read_generations(path: Path) -> tuple[Generation, ...]:
-    """The generations of a study."""
     return tuple(map(_generation, read_run_lines(path)))
 
 

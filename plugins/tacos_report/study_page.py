@@ -18,7 +18,6 @@ _HERO_PX, _HERO_LEAST_PX = 1280, 480
 
 
 def study_page(study: StudyData) -> Page:
-    """The whole page."""
     name = study.result.get("name")
     return Page(
         eyebrow=f"Camera study: {name}" if name else "Camera study",

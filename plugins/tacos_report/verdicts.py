@@ -20,12 +20,7 @@ WORDS = {
 def headline(decision: Decision, title: str, products: int) -> str:
     """The verdict on the designed camera against the best product, in a sentence.
 
-    Parameters
-    ----------
-    title
-        What people call that product.
-    products
-        How many were compared.
+    `title`: what people call that product. `products`: how many were compared.
     """
     best = f"the {title}, the best of {products} off-the-shelf cameras" if products > 1 else f"the {title}"
     sure = f"at {_confidence(decision)} confidence"

@@ -37,17 +37,7 @@ OF_LINES = "Do not rely on it; reports read the database, and --resume writes it
 
 @dataclass(frozen=True)
 class FileCheck:
-    """State of one file.
-
-    Parameters
-    ----------
-    name
-        The file, below the folder of the run.
-    damage
-        What is wrong with it, in a few words; None where it is whole.
-    note
-        What else is to say.
-    """
+    """State of one file. `damage`: what is wrong with it, in a few words; None where it is whole."""
 
     name: str
     damage: str | None = None
@@ -64,10 +54,7 @@ class FileCheck:
 def verify(folder: Path) -> list[FileCheck]:
     """Check the database of a run, and every file against what stands there.
 
-    Raises
-    ------
-    UserError
-        When the folder holds no run with a database.
+    Raises UserError when the folder holds no run with a database.
     """
     if not (folder / DATABASE).exists():
         raise UserError(

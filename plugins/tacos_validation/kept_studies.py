@@ -24,10 +24,8 @@ def result_of(
 
     One that a defect stopped has not ended: it goes on, as the defect may have been mended.
 
-    Raises
-    ------
-    KeyboardInterrupt
-        When the user breaks the study off: what it found is kept, and the procedure ends too.
+    Raises KeyboardInterrupt when the user breaks the study off: what it found is kept, and the procedure ends
+    too.
     """
     done = folder / "result.json"
     if resume and done.exists():

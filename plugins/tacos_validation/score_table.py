@@ -54,12 +54,7 @@ class ScoreTable:
     if they are of an equal study; a camera that failed by a defect is tried again. One that breaks a
     constraint is not worth a row on disk: nothing is rendered for it.
 
-    Parameters
-    ----------
-    executor
-        Where cameras are scored.
-    states
-        What its trainable tasks know; nobody learns here.
+    `states`: what its trainable tasks know; nobody learns here.
     """
 
     def __init__(
@@ -103,10 +98,7 @@ class ScoreTable:
     def fill(self, wanted: Iterable[Wanted], on_row: Callable[[str], None] = lambda _: None) -> None:
         """Simulate what is wanted and not there, episode by episode, so that worlds are built once.
 
-        Parameters
-        ----------
-        on_row
-            Called with a short note as each row comes.
+        `on_row`: called with a short note as each row comes.
         """
         new = []
         for values, spec in sorted(self.lacking(wanted), key=lambda pair: repr(pair[1])):  # a stable sort

@@ -42,7 +42,6 @@ __all__ = ["CameraFrames", "RenderSetup", "Rendering", "render", "set_up"]
 if not TYPE_CHECKING:  # what is not above is an error to type checkers
 
     def __getattr__(name: str) -> Any:
-        """Import names on first use: listing the plugin must be quick."""
         if name not in _HOME_OF:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         return getattr(import_module(_HOME_OF[name]), name)

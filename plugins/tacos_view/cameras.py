@@ -34,14 +34,8 @@ CameraName = str | Mapping[str, Any] | None
 class CameraChoice:
     """A camera of a study.
 
-    Parameters
-    ----------
-    title
-        What to call it.
-    values
-        Plain values of the study's design variables, those included that a product fixes.
-    assumed
-        Design variables nobody gave a value; each is in the middle of what it may be.
+    `values`: plain values of the study's design variables, those included that a product fixes. `assumed`:
+    design variables nobody gave a value; each is in the middle of what it may be.
     """
 
     title: str
@@ -81,7 +75,6 @@ def choose_camera(plan: Plan, camera: CameraName = None, run: Path | None = None
 
 
 def built_rig(plan: Plan, camera: CameraChoice) -> Rig:
-    """The cameras of a choice."""
     with plan.rig.calling("build"):
         rig: Rig = plan.rig.instance.build(plan.rig_variables(camera.values))
     return rig

@@ -87,8 +87,6 @@ class Outline:
     ----------
     name, detail
         Two lines of text below it.
-    width_mm, height_mm
-        Size [mm].
     round
         A circle rather than a rectangle.
     group
@@ -115,10 +113,7 @@ class PlacedOutline:
 def outlines(catalog: Catalog) -> tuple[Outline, ...]:
     """The parts of a catalog that can be drawn, the smallest first.
 
-    Raises
-    ------
-    UserError
-        When the catalog knows no sizes.
+    Raises UserError when the catalog knows no sizes.
     """
     found = [outline for part in catalog.rows if (outline := _outline(part)) is not None]
     if not found:
@@ -147,10 +142,7 @@ def _outline(part: CatalogPart) -> Outline | None:
 def camera_outlines(cameras: Sequence[OffTheShelf]) -> tuple[Outline, ...]:
     """The sensors of cameras that say which one they have, the smallest first; each rig has a colour.
 
-    Raises
-    ------
-    UserError
-        When no camera says so.
+    Raises UserError when no camera says so.
     """
     found = []
     for camera in cameras:
@@ -197,12 +189,7 @@ def _cell_mm(part: Outline, form: SheetFormat) -> float:
 def sheet(name: str, parts: Sequence[Outline], said: str, *, narrow: bool = False) -> str:
     """SVG of parts to one scale; ``narrow`` for the width of a phone, where names are larger.
 
-    Parameters
-    ----------
-    name
-        Unique among the drawings of a page.
-    said
-        In place of the picture to readers who do not see it.
+    `name`: unique among the drawings of a page. `said`: in place of the picture to readers who do not see it.
     """
     form = for_phone(parts) if narrow else ON_SCREEN
     placed = arranged(parts, form)

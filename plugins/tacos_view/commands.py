@@ -16,7 +16,6 @@ FRAMES = 4
 
 
 def commands() -> list[Command]:
-    """The commands; importing this is light."""
     return [Command("view", "look at a scene, a camera's frames, an effect, a catalog", _arguments, _view)]
 
 
@@ -36,7 +35,6 @@ def _arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def add_sets(parser: argparse.ArgumentParser) -> None:
-    """Add ``--set``."""
     parser.add_argument(
         "--set",
         metavar="KEY=VALUE",
@@ -48,13 +46,7 @@ def add_sets(parser: argparse.ArgumentParser) -> None:
 
 
 def read_sets(given: list[str]) -> dict[str, Any]:
-    """The values of ``--set``, by key.
-
-    Raises
-    ------
-    UserError
-        With every one that cannot be read.
-    """
+    """The values of ``--set``, by key. Raises UserError with every one that cannot be read."""
     from tacos_framework import read_yaml
 
     sets: dict[str, Any] = {}
@@ -104,10 +96,7 @@ def said_meanwhile(plugins: Plugins) -> AbstractContextManager[None]:
 def _look_for(what: str, plugins: Plugins) -> None:
     """See that a recipe, a scene or a results folder of this name may be there.
 
-    Raises
-    ------
-    UserError
-        When there is none, with the name of a recipe, scene or catalog that is nearly the same.
+    Raises UserError when there is none, with the name of a recipe, scene or catalog that is nearly the same.
     """
     from tacos_framework import catalog_names, did_you_mean, shipped_recipes
 

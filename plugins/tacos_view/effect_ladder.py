@@ -42,7 +42,6 @@ class Step:
 
     @property
     def label(self) -> str:
-        """The settings in words."""
         said = [f"{name} {_shown(value)}" for name, value in self.settings.items()]
         return ", ".join(said) or "off"
 
@@ -63,8 +62,6 @@ def effect_ladder(
 
     Parameters
     ----------
-    setup
-        The camera and what it looks at.
     name
         The effect, with or without ``effect.``.
     settings
@@ -125,10 +122,7 @@ def _severities(use: str, cls: type[Any], given: Mapping[str, Any]) -> Iterator[
 def _listed(use: str, cls: type[Any], given: Mapping[str, Any]) -> list[dict[str, Any]]:
     """A rung for each value where one setting is given several; none where each has one.
 
-    Raises
-    ------
-    UserError
-        With what is wrong with the settings, one list among them or not.
+    Raises UserError with what is wrong with the settings, one list among them or not.
     """
 
     def where(path: Sequence[str | int]) -> str:

@@ -55,14 +55,7 @@ def floor_plan(
     Where something covers the agent, it is left out: of a building the walls are shown as they are cut a
     little above the eye.
 
-    Parameters
-    ----------
-    world, trajectory
-        What there is, and the way through it.
-    world_from_camera
-        (N, 4, 4) poses of the frames, which are numbered from 1 [m].
-    widest_px
-        Longer edge of the picture [px].
+    `world_from_camera`: (N, 4, 4) poses of the frames, which are numbered from 1 [m].
     """
     triangles, colours = _coloured_triangles(world)
     eyes = world_from_camera[:, :3, 3]

@@ -55,10 +55,7 @@ CAMERA_FACTS = ("pixels", "pitch of a pixel", "focal length", "field of view")
 class ViewFolder:
     """A folder of pictures; each is written as it is added, and the page last.
 
-    Parameters
-    ----------
-    out
-        The folder; made where it is not there. Files of the same names are replaced.
+    `out`: the folder; made where it is not there. Files of the same names are replaced.
     """
 
     def __init__(self, out: Path) -> None:
@@ -79,12 +76,7 @@ class ViewFolder:
 def write_rendering(out: Path, rendering: Rendering, what: str, assumed: Sequence[str] = ()) -> Path:
     """The plan of a world and what a camera sees in it.
 
-    Parameters
-    ----------
-    what
-        The recipe or scene, as the user named it.
-    assumed
-        Design variables that nobody gave a value.
+    `what`: the recipe or scene, as the user named it. `assumed`: design variables that nobody gave a value.
     """
     folder = ViewFolder(out)
     first = rendering.first
@@ -154,7 +146,6 @@ def _camera_table(rendering: Rendering) -> Table:
 
 
 def _legend(rendering: Rendering) -> Iterator[Legend]:
-    """The colours of the classes that are seen."""
     seen = np.unique(np.concatenate([np.unique(each.object_id) for each in rendering.cameras.values()]))
     classes = np.unique(rendering.world.class_of_object[seen])
     names, colours = rendering.world.class_names, class_colours(len(rendering.world.class_names))

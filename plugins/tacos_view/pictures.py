@@ -29,10 +29,7 @@ def shown_frame(
 def shown_depth(depth_m: NDArray[np.floating]) -> Picture:
     """Depth as colour: near is bright, by the inverse, so that what is far keeps its place; nothing is black.
 
-    Parameters
-    ----------
-    depth_m
-        (H, W), infinite where nothing is [m].
+    `depth_m`: (H, W), infinite where nothing is [m].
     """
     import cv2
 
@@ -55,10 +52,7 @@ def class_colours(count: int) -> NDArray[np.uint8]:
 def shown_objects(object_id: NDArray[np.integer], class_of_object: NDArray[np.integer]) -> Picture:
     """Objects in the colours of their classes, in shades that tell neighbours in number apart.
 
-    Parameters
-    ----------
-    class_of_object
-        (objects,) as `World.class_of_object` has it.
+    `class_of_object`: (objects,) as `World.class_of_object` has it.
     """
     colours = class_colours(int(class_of_object.max(initial=0)) + 1)[class_of_object]
     shade = np.array([1.0, 0.8, 0.6])[np.arange(len(colours)) % 3]
@@ -66,15 +60,7 @@ def shown_objects(object_id: NDArray[np.integer], class_of_object: NDArray[np.in
 
 
 def contact_sheet(tiles: Sequence[Picture], columns: int, *, widest_px: int = 1400) -> Picture:
-    """Pictures in rows, each reduced to fit; smaller ones keep their pixels.
-
-    Parameters
-    ----------
-    columns
-        Pictures in a row.
-    widest_px
-        Width of the sheet at most [px].
-    """
+    """Pictures in rows, each reduced to fit; smaller ones keep their pixels."""
     room = (widest_px - _GAP_PX * (columns - 1)) // columns
     fitted = [reduced(tile, room) for tile in tiles]
     width = max(tile.shape[1] for tile in fitted)
@@ -101,7 +87,6 @@ def reduced(picture: Picture, widest_px: int) -> Picture:
 
 
 def encoded_png(picture: Picture) -> bytes:
-    """The bytes of a PNG file."""
     import cv2
 
     encoded, data = cv2.imencode(".png", np.ascontiguousarray(picture[..., ::-1]))
@@ -111,5 +96,4 @@ def encoded_png(picture: Picture) -> bytes:
 
 
 def png_uri(picture: Picture) -> str:
-    """A picture as a data URI."""
     return f"data:image/png;base64,{base64.b64encode(encoded_png(picture)).decode()}"

@@ -8,5 +8,4 @@ from tacos_view.commands import commands
 
 @hookimpl
 def tacos_commands() -> list[Command]:
-    """``tacos view``."""
     return commands()

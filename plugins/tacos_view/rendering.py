@@ -74,7 +74,7 @@ class Rendering:
     black_level_dn, white_level_dn
         Pedestal and full scale of the images [DN].
     coded
-        Whether they are coded for a display, rather than linear.
+        True if they are coded for a display, rather than linear.
     """
 
     title: str
@@ -89,12 +89,10 @@ class Rendering:
 
     @property
     def first(self) -> CameraFrames:
-        """Images and truth of the first camera."""
         return next(iter(self.cameras.values()))
 
     @property
     def camera(self) -> Camera:
-        """The first camera."""
         return self.first.camera
 
     @property

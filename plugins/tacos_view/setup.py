@@ -21,13 +21,7 @@ PURPOSE = "view"
 
 @dataclass(frozen=True)
 class RenderSetup:
-    """A camera in a study's scenes, ready to take frames.
-
-    Parameters
-    ----------
-    simulation
-        The plan brought to life.
-    """
+    """A camera in a study's scenes, ready to take frames."""
 
     plan: Plan
     camera: CameraChoice
@@ -35,18 +29,12 @@ class RenderSetup:
 
     @property
     def rig(self) -> Rig:
-        """The cameras."""
         return built_rig(self.plan, self.camera)
 
     def frames(self, count: int | None = None, *, seed: int | None = None) -> Iterator[FrameBatch]:
         """Consecutive frames of one trip, one by one; nothing of earlier ones is kept.
 
-        Parameters
-        ----------
-        count
-            How many; as many as the recipe's scene takes if None.
-        seed
-            Which world and trip; the recipe's seed if None.
+        `seed`: which world and trip; the recipe's seed if None.
         """
         spec, values = self.episode_spec(count, seed), self.camera.values
         if taken := self._taken_by_a_task:
@@ -87,7 +75,6 @@ class RenderSetup:
 
     @cached_property
     def exposure(self) -> Exposure:
-        """Exposure of the frames."""
         first = self.plan.recipe.scenarios[0]
         name = first.name if isinstance(first, NamedScenario) else ""
         scenario = first.model_copy(update=self._overrides.of_scenario(name))
@@ -95,7 +82,6 @@ class RenderSetup:
 
     @cached_property
     def sensor(self) -> PlacedSensor:
-        """The sensor model of the cameras."""
         name = self.plan.graph.of_kind("sensor")[0]
         sensor: PlacedSensor = placed(name, self.plan.nodes[name], self._overrides.nodes)
         return sensor
@@ -146,10 +132,6 @@ def set_up(
         What `tacos_view.recipes.study_recipe` takes: a recipe, a results folder, or ``scene.indoor``.
     camera
         What `tacos_view.cameras.choose_camera` takes: a name, values, or None for the default.
-    sets
-        Dotted keys of the recipe and the values to put there.
-    effects
-        Effects to add to the recipe's.
     plugins
         What is installed; it is looked up if None.
 

@@ -8,7 +8,6 @@ from tacos_worlds.recorded.imports import commands
 
 @hookimpl
 def tacos_components() -> list[Component]:
-    """Rooms, streets and targets on a bench."""
     return [
         Component(
             "scene",
@@ -93,5 +92,4 @@ def tacos_components() -> list[Component]:
 
 @hookimpl
 def tacos_commands() -> list[Command]:
-    """``tacos recordings``."""
     return commands.commands()

@@ -22,14 +22,8 @@ from tacos_view.setup import RenderSetup
 class CameraDescription:
     """A camera as files describe it.
 
-    Parameters
-    ----------
-    distortion
-        Its coefficients in OpenCV's order; zero where the simulation has no distortion.
-    noise
-        Its noise in the units of EMVA 1288.
-    limitations
-        In a sentence each, what the files cannot say of it.
+    `distortion`: its coefficients in OpenCV's order; zero where the simulation has no distortion.
+    `limitations`: in a sentence each, what the files cannot say of it.
     """
 
     camera: Camera
@@ -42,12 +36,8 @@ class CameraDescription:
 def describe_cameras(setup: RenderSetup, *, simulated: bool = False) -> tuple[CameraDescription, ...]:
     """The cameras of a rig, in its order.
 
-    Parameters
-    ----------
-    setup
-        The camera of a study.
-    simulated
-        As they are simulated, where the rig averages blocks of photosites; otherwise with all pixels.
+    `simulated`: as they are simulated, where the rig averages blocks of photosites; otherwise with all
+    pixels.
     """
     described = []
     rig = setup.rig if simulated else whole_rig(setup)

@@ -31,8 +31,6 @@ def write_camera_files(out: Path, cameras: Sequence[CameraDescription]) -> tuple
     ----------
     out
         The folder; made where it is not there.
-    cameras
-        The cameras, in the rig's order.
 
     Returns
     -------

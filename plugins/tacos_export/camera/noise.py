@@ -50,7 +50,6 @@ class NoiseDescription:
     origins: Mapping[str, str] = field(default_factory=dict)
 
     def as_data(self) -> dict[str, Any]:
-        """Plain data for a file."""
         return {
             "standard": "EMVA 1288 Release 4.0 Linear; one value for each channel",
             "system_gain_dn_per_e": list(self.system_gain_dn_per_e),

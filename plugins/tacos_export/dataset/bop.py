@@ -54,7 +54,6 @@ class BopWriter:
         ]
 
     def add(self, index: int, frame: FrameBatch) -> None:
-        """Write images and masks; keep poses."""
         for i, view in enumerate(frame.capture.views):
             folder, name = self._scene(i), f"{index:06d}"
             depth = depth_codes(view.depth_m[0], DEPTH_CODES_PER_M)
@@ -78,7 +77,6 @@ class BopWriter:
                 table[str(index)] = value
 
     def close(self) -> None:
-        """Write the tables and the models."""
         for i, tables in enumerate(self._tables):
             for name, table in tables.items():
                 _write_json(self._scene(i) / f"{name}.json", table)

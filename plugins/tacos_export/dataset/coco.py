@@ -46,7 +46,6 @@ class CocoWriter:
         self._categories: dict[str, int] = {}
 
     def add(self, index: int, frame: FrameBatch) -> None:
-        """Write images and depth; keep the annotations."""
         world = frame.episode.world
         self._categories = self._categories or {n: i for i, n in enumerate(labelled_classes(world), start=1)}
         for i, view in enumerate(frame.capture.views):
@@ -81,7 +80,6 @@ class CocoWriter:
                 self._polygons.append(polygons(mask))
 
     def close(self) -> None:
-        """Write the annotations."""
         outlined = [
             {**each, "segmentation": rings}
             for each, rings in zip(self._annotations, self._polygons, strict=True)

@@ -32,7 +32,6 @@ class ColmapWriter:
         self._images: list[str] = []
 
     def add(self, index: int, frame: FrameBatch) -> None:
-        """Write the images; keep the poses."""
         for i, view in enumerate(frame.capture.views):
             name = f"{view.camera.name}/{index:06d}.png"
             write_image(self._dataset.out / "images" / name, photograph(frame, i, self._dataset.encoding))
@@ -43,7 +42,6 @@ class ColmapWriter:
             self._images += [f"{number} {numbers} {self._numbers[view.camera.name]} {name}", ""]
 
     def close(self) -> None:
-        """Write the model."""
         folder = self._dataset.out / "sparse" / "0"
         cameras = [self._camera(camera) for camera in self._dataset.rig.cameras]
         write_lines(folder / "cameras.txt", ["# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]", *cameras])

@@ -40,7 +40,6 @@ class EurocWriter:
         self._images: dict[str, list[list[str]]] = {}
 
     def add(self, index: int, frame: FrameBatch) -> None:
-        """Write the images of a frame; keep its lines."""
         walk = walk_folder(frame)
         time_s = float(frame.episode.time_s[0])
         stamp = str(stamp_ns(time_s))
@@ -56,7 +55,6 @@ class EurocWriter:
         self._truth.setdefault(walk, []).append(f"{stamp},{numbers}")
 
     def close(self) -> None:
-        """Write lists and calibrations."""
         for walk, truth in self._truth.items():
             folder = self._dataset.out / walk / "mav0"
             write_lines(folder / "state_groundtruth_estimate0" / "data.csv", [_TRUTH, *truth])

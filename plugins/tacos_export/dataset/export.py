@@ -46,8 +46,6 @@ def export_dataset(
 
     Parameters
     ----------
-    setup
-        The camera and what it looks at.
     out
         The folder: new or empty.
     format
@@ -116,12 +114,7 @@ def _writer(format: str) -> type[DatasetWriter]:
 class Manifest:
     """``frames.json``: cameras, poses and objects, the same beside every format.
 
-    Parameters
-    ----------
-    title
-        What to call the camera.
-    encoding
-        What the numbers of images are: srgb, camera (the camera's own digital numbers), or linear.
+    `encoding`: what the numbers of images are: srgb, camera (the camera's own digital numbers), or linear.
     """
 
     def __init__(self, dataset: Dataset, title: str, encoding: str) -> None:
@@ -156,7 +149,6 @@ class Manifest:
         return [f"{name}: {mean.doubt}" for name, mean in means if mean.doubt]
 
     def add(self, frame: FrameBatch) -> None:
-        """Note time and poses of a frame."""
         self._world = frame.episode.world
         for camera, image in zip(self._exposed.values(), frame.images, strict=True):
             camera.append(exposed(image, frame.black_level_dn, frame.white_level_dn))
@@ -173,7 +165,6 @@ class Manifest:
         )
 
     def write(self, path: Path) -> None:
-        """Write the file."""
         objects = self._world.objects if self._world else ()
         for name, frames in self._exposed.items():
             if frames:

@@ -31,14 +31,7 @@ class DatasetCamera:
 class Dataset:
     """Facts that writers need before the first frame comes.
 
-    Parameters
-    ----------
-    out
-        The folder, which is there once frames come.
-    lenses
-        Their distortion, by name.
-    encoding
-        How 8-bit images are encoded.
+    `lenses`: their distortion, by name. `encoding`: how 8-bit images are encoded.
     """
 
     out: Path
@@ -90,7 +83,6 @@ def write_image(path: Path, image: NDArray[np.unsignedinteger]) -> None:
 
 
 def write_lines(path: Path, lines: Iterable[str]) -> None:
-    """Write lines of text."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
 

@@ -59,7 +59,6 @@ class KittiWriter:
         self._world_from_first: NDArray[np.float64] | None = None
 
     def add(self, index: int, frame: FrameBatch) -> None:
-        """Write all that belongs to a frame."""
         out, stem = self._dataset.out, f"{index:06d}"
         views = frame.capture.views
         for i, folder in enumerate(_FOLDERS[: len(views)]):
@@ -85,7 +84,6 @@ class KittiWriter:
         self._poses.append(_numbers(relative[:3].ravel()))
 
     def close(self) -> None:
-        """Write the poses."""
         write_lines(self._dataset.out / "poses.txt", self._poses)
 
     def _calibration(self) -> list[str]:

@@ -41,7 +41,6 @@ class NerfWriter:
         self._cameras = {camera.name: self._intrinsics(camera) for camera in dataset.rig.cameras}
 
     def add(self, index: int, frame: FrameBatch) -> None:
-        """Write images and depth; keep the poses."""
         self._origin_m = frame.episode.world.origin_m.tolist()
         for i, view in enumerate(frame.capture.views):
             name = f"{view.camera.name}_{index:06d}.png"
@@ -57,7 +56,6 @@ class NerfWriter:
             )
 
     def close(self) -> None:
-        """Write ``transforms.json``."""
         shared = self._cameras.popitem()[1] if len(self._cameras) == 1 else {}
         data = {**shared, "origin_m": self._origin_m, "frames": self._frames}
         path = self._dataset.out / "transforms.json"

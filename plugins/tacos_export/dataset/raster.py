@@ -65,7 +65,6 @@ class ExrWriter:
         self._openexr = _openexr()
 
     def add(self, index: int, frame: FrameBatch) -> None:
-        """Write the images of a frame."""
         for i, view in enumerate(frame.capture.views):
             folder = self._out / view.camera.name
             write_image(folder / "image" / f"{index:06d}.png", linear_16_bit(frame, i))

@@ -54,7 +54,6 @@ class Solid:
         return {"diameter": float(np.linalg.norm(size)), **box}
 
     def write_ply(self, path: Path, units_per_m: float) -> None:
-        """Write it as a binary PLY."""
         path.parent.mkdir(parents=True, exist_ok=True)
         axes = "".join(f"property float {axis}\n" for axis in "xyz")
         head = (

@@ -30,7 +30,6 @@ class TumWriter:
         self._lines: dict[str, dict[str, list[str]]] = {}
 
     def add(self, index: int, frame: FrameBatch) -> None:
-        """Write the images of a frame; keep its lines."""
         view = frame.capture.views[0]
         walk = walk_folder(frame)
         folder = self._dataset.out / walk
@@ -45,7 +44,6 @@ class TumWriter:
         lines["groundtruth"].append(f"{stamp} {numbers}")
 
     def close(self) -> None:
-        """Write the lists."""
         for walk, lists in self._lines.items():
             for name, lines in lists.items():
                 head = "timestamp tx ty tz qx qy qz qw" if name == "groundtruth" else "timestamp filename"

@@ -35,7 +35,6 @@ class YoloWriter:
         self._classes: list[str] = []
 
     def add(self, index: int, frame: FrameBatch) -> None:
-        """Write images and labels."""
         world, out = frame.episode.world, self._dataset.out
         self._classes = self._classes or labelled_classes(world)
         for i, view in enumerate(frame.capture.views):
@@ -56,6 +55,5 @@ class YoloWriter:
             write_lines(out / "labels" / f"{name}.txt", lines)
 
     def close(self) -> None:
-        """Write the list of classes."""
         data = {"train": "images", "val": "images", "names": dict(enumerate(self._classes))}
         (self._dataset.out / "data.yaml").write_text(to_yaml(data), encoding="utf-8")

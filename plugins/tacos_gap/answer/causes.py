@@ -48,15 +48,7 @@ def causes_of(
     effects: Mapping[str, type[Any]],
     seed: int,
 ) -> list[Cause]:
-    """The effects of the best explanation, those with the largest share first.
-
-    Parameters
-    ----------
-    attribution
-        The best explanation and its rivals.
-    effects
-        The classes of all candidates by name, which say what looks alike.
-    """
+    """The effects of the best explanation, those with the largest share first."""
     best = attribution.best
     if not best.hypothesis:
         return []
@@ -168,7 +160,6 @@ def _within(value: float, half: float, unit: str) -> Parameter:
 
 
 def _settings(term: HypothesisTerm) -> dict[str, Any]:
-    """Settings for a recipe, in plain numbers."""
     plain: dict[str, Any] = {}
     for name, value in term.settings.items():
         if isinstance(value, tuple):

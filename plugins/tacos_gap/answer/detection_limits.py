@@ -40,12 +40,8 @@ def detection_limits(
 
     Parameters
     ----------
-    effects
-        Classes of the effects by name.
     left
         (K,) residuals beside the explanation: what noise there is for an effect to hide in [noise floor].
-    each
-        A map that may work in parallel.
 
     Returns
     -------
@@ -93,12 +89,8 @@ def _limit(probe: _Probe, term: HypothesisTerm) -> float | None:
 class _Probe:
     """What is simulated of the evidence.
 
-    Parameters
-    ----------
-    parts
-        One capture of each kind, and all views of boards.
-    weight
-        How many independent numbers one is worth.
+    `parts`: one capture of each kind, and all views of boards. `weight`: how many independent numbers one is
+    worth.
     """
 
     parts: Sequence[_Part]

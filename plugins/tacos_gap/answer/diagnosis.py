@@ -72,12 +72,8 @@ def diagnose(
 
     Parameters
     ----------
-    effects
-        Candidate causes: name (without ``effect.``) and class.
     workers
         Threads. Each measures captures of its own.
-    notify
-        Told what is being done.
     simulations
         Those of all captures after which no further effect is looked for; by default as many as take about a
         minute of processor time.
@@ -150,13 +146,7 @@ def _explained(
     workers: int,
     tell: Notify,
 ) -> Diagnosis:
-    """What some effects explain of the evidence.
-
-    Parameters
-    ----------
-    installed
-        Those that were looked for, and those that the captures cannot show, and so cannot tell from others.
-    """
+    """What some effects explain of the evidence."""
     tell("trying effects")
     attribution = search.run()
     best, problem = attribution.best, attribution.problem

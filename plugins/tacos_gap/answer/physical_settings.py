@@ -21,13 +21,6 @@ def physical_settings_of(
 ) -> dict[str, tuple[str, float]]:
     """Settings in pixels and digital numbers of a camera's photosites, in physical units.
 
-    Parameters
-    ----------
-    kind
-        Settings of an effect.
-    geometry, context
-        The camera they were found with.
-
     Returns
     -------
     dict

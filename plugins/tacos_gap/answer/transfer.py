@@ -21,10 +21,8 @@ HEAD = "# Effects that close the gap; add them to a recipe: tacos-run RECIPE --w
 class Photographed:
     """The camera of captures, under which pixels and digital numbers are what they are.
 
-    Parameters
-    ----------
-    geometry, context
-        Of the capture that stands for all: lengths of motion hold at its exposure, levels at its gain.
+    `geometry`, `context`: of the capture that stands for all: lengths of motion hold at its exposure, levels
+    at its gain.
     """
 
     geometry: ImageGeometry
@@ -62,7 +60,6 @@ class Photographed:
         return replace(parameter, physical=Physical(own, short(value), ends, unit_of(kind, own)))
 
     def __str__(self) -> str:
-        """As comments of ``patched.yaml`` call it."""
         gain = f"{self.context.gain_db:g} dB, files up to {self.context.white_level_dn:g} DN"
         return f"a camera with pixels of {self.geometry.pixel_um:g} um at {gain}"
 
@@ -88,7 +85,6 @@ class Added:
 
 
 def added(cause: Cause) -> Added:
-    """A cause as an effect of a recipe for any camera."""
     settings: dict[str, Any] = {}
     bound = []
     for name, value in cause.settings.items():

@@ -20,12 +20,7 @@ WANTED = NextCapture(
 class NothingMeasured(UserError):
     """A folder was read, and none of its captures can be measured.
 
-    Parameters
-    ----------
-    fault
-        That it is so, and why.
-    limitations
-        What each capture lacks, in sentences.
+    `fault`: that it is so, and why. `limitations`: what each capture lacks, in sentences.
     """
 
     def __init__(self, fault: Fault, limitations: Sequence[str] = ()):
@@ -48,11 +43,6 @@ def undiagnosed_data(limitations: Sequence[str]) -> dict[str, Any]:
     """``diagnosis.json`` with every key of an answer, and nothing that was not measured.
 
     No gap was measured, so `before` and `after` are 0; what nothing was measured of is not complete.
-
-    Parameters
-    ----------
-    limitations
-        What each capture lacks, in sentences.
     """
     return {
         "verdict": "unknown",

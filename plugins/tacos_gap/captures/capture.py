@@ -68,12 +68,7 @@ class Board:
 class Objects:
     """Which object each pixel of a still shows.
 
-    Parameters
-    ----------
-    ids
-        (H, W) int32 index into `classes`; 0 is the background.
-    classes
-        What each object is, the background first.
+    `ids`: (H, W) int32 index into `classes`; 0 is the background.
     """
 
     ids: NDArray[np.int32]
@@ -84,12 +79,8 @@ class Objects:
 class Unmoved:
     """An expectation before another pose moved it, so that effects that move it further read it only once.
 
-    Parameters
-    ----------
-    expected_dn
-        (1 or N, H, W, C) float32 expected values [DN].
-    source
-        (H, W) columns and rows where the moved expectation looks in this one [px].
+    `expected_dn`: (1 or N, H, W, C) float32 expected values [DN]. `source`: (H, W) columns and rows where the
+    moved expectation looks in this one [px].
     """
 
     expected_dn: NDArray[np.float32]
@@ -102,8 +93,6 @@ class RealCapture:
 
     Parameters
     ----------
-    id, kind
-        Its name; dark, flat, bracket, edge, board, chart, scene or sequence.
     real_dn
         (N, H, W, C) float32 files, C = 1 or 3 [DN].
     expected_dn
@@ -123,8 +112,6 @@ class RealCapture:
     own_edges
         Whether `expected_dn` was read off the edges of the pictures themselves: it then says how sharp they
         would be, and neither where they are nor how bright.
-    edge_angle_deg
-        Angle of a straight edge; None without one [deg].
     patches
         (P, 4) int x, y, width, height of chart patches [px], and (P, 3) float expected linear RGB [DN].
     row_time_us
@@ -172,7 +159,6 @@ class RealCapture:
 
     @property
     def frames(self) -> int:
-        """Number of real frames."""
         return len(self.real_dn)
 
     def of_at_most(self, pixels: int) -> RealCapture:

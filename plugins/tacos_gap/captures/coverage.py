@@ -12,11 +12,6 @@ from tacos_gap.captures.capture import RealCapture
 def untold(captures: Sequence[RealCapture], effects: Mapping[str, type[Any]]) -> dict[str, list[str]]:
     """Effects that captures cannot show, or not tell from others, by what would: as the effects declare it.
 
-    Parameters
-    ----------
-    effects
-        The classes of all effects by name.
-
     Returns
     -------
     dict
@@ -37,11 +32,6 @@ def beyond_own_edges(captures: Sequence[RealCapture], effects: Mapping[str, type
 
     Light, tone and place are then read off the picture that is to be judged. Whatever acts on them changes
     the sharpness of an edge a little as well, and would explain what another blur has done.
-
-    Parameters
-    ----------
-    effects
-        The classes of all effects by name.
     """
     lit = [capture for capture in captures if capture.kind != "dark"]
     if not lit or not all(capture.own_edges for capture in lit):
@@ -54,11 +44,6 @@ def beyond_even_fields(captures: Sequence[RealCapture], effects: Mapping[str, ty
 
     Of a field that is not quite even, or of the colours of a mosaic, a camera turned by twenty degrees sees
     other pixels, and would explain an error of level.
-
-    Parameters
-    ----------
-    effects
-        The classes of all effects by name.
     """
     if any(capture.kind == "board" or capture.is_structured for capture in captures):
         return set()

@@ -34,10 +34,7 @@ _OPPOSITE = -0.5
 def doubts(captures: Sequence[RealCapture]) -> Iterator[str]:
     """Doubts about captures, each in a sentence that begins with what it is about.
 
-    Parameters
-    ----------
-    captures
-        All captures of a folder that were read without a fault.
+    `captures`: all captures of a folder that were read without a fault.
     """
     for capture in captures:
         yield from _of_frames(capture)

@@ -116,7 +116,6 @@ class CaptureCamera(Settings):
 
     @property
     def white(self) -> float:
-        """The white level [DN]."""
         return self.white_level_dn or 2.0**self.bit_depth - 1
 
 

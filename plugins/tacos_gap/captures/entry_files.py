@@ -17,12 +17,7 @@ from tacos_gap.captures.files import PATCH_COLUMNS
 def written_entry(folder: Path, name: str, capture: RealCapture, camera: Mapping[str, Any]) -> dict[str, Any]:
     """Write the files of a capture; returns its entry of ``captures.yaml``, in plain values.
 
-    Parameters
-    ----------
-    folder, name
-        The folder of captures, and the one in it that is this capture's; both are there.
-    camera
-        The entry ``camera``, from which a capture may differ in size and crop.
+    `camera`: the entry ``camera``, from which a capture may differ in size and crop.
     """
     geometry, context = capture.geometry, capture.context
     entry: dict[str, Any] = {"id": capture.id, "kind": capture.kind, "real": _frames(folder, name, capture)}

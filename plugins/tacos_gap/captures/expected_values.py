@@ -19,14 +19,7 @@ Render = Callable[[Path, str], NDArray[np.float32]]
 class ExpectedValues:
     """Reads or renders expected values.
 
-    Parameters
-    ----------
-    entry
-        ``captures.yaml``.
-    files
-        Reads files, keeps faults.
-    render
-        Renders captures that name a recipe; without it they are refused.
+    `render`: renders captures that name a recipe; without it they are refused.
     """
 
     def __init__(self, entry: FolderEntry, files: CaptureFiles, render: Render | None):

@@ -24,17 +24,7 @@ PATCH_COLUMNS = ("x", "y", "width", "height", "r", "g", "b")
 
 
 class CaptureFiles:
-    """Reads the files of captures and keeps every fault.
-
-    Parameters
-    ----------
-    folder
-        Where relative paths start.
-    document
-        ``captures.yaml``, which knows where each file is named.
-    channels
-        Channels of the camera.
-    """
+    """Reads the files of captures and keeps every fault."""
 
     def __init__(self, folder: Path, document: Document, channels: int):
         self.folder = folder
@@ -44,7 +34,6 @@ class CaptureFiles:
         self._bytes = 0
 
     def fault(self, path: tuple[str | int, ...], what: str, expected: str = "", remedy: str = "") -> None:
-        """Keep a fault of what stands at a path of the document."""
         self.faults.append(Fault(self._document.where(path), what, expected, remedy))
 
     def found(self, i: int, key: str, names: str | Sequence[str]) -> list[Path]:

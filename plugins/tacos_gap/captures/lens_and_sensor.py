@@ -50,10 +50,7 @@ def moved_filters(cfa: str, columns: int, rows: int) -> str:
 def geometry_of(camera: CaptureCamera, entry: CaptureEntry | None) -> ImageGeometry:
     """Where the files of a capture lie on the sensor; those of the camera itself for None.
 
-    Raises
-    ------
-    ValueError
-        When they do not lie on it.
+    Raises ValueError when they do not lie on it.
     """
     width = (entry and entry.width_px) or camera.width_px
     height = (entry and entry.height_px) or camera.height_px

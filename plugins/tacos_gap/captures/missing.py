@@ -23,11 +23,8 @@ _LOOKED_AT = 5000
 def nothing_to_read(folder: Path) -> Fault:
     """The fault of a folder that holds no ``captures.yaml``.
 
-    Parameters
-    ----------
-    folder
-        It may hold half of what the simulator was to take, photographs, folders of captures, or none of them;
-        be a photograph itself; or not be there.
+    `folder`: it may hold half of what the simulator was to take, photographs, folders of captures, or none of
+    them; be a photograph itself; or not be there.
     """
     if not folder.exists():
         return Fault(str(folder), "there is no such folder", f"a folder of captures, with {FILE}", BEGIN)

@@ -39,14 +39,10 @@ def estimate_noise(
 
     Parameters
     ----------
-    real_dn
-        (N, H, W, C) frames [DN].
     expected_dn
         Expected values, so that edges and mosaics are not taken for noise; None where there are none.
     valid
         (H, W) pixels that count.
-    black_level_dn, white_level_dn
-        Levels of the files [DN].
     mosaic
         Whether neighbours have other colours.
     """

@@ -32,8 +32,6 @@ def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFo
 
     Parameters
     ----------
-    folder
-        The folder, or the path of its ``captures.yaml``.
     render
         Renders expected values for captures that name a `scene` recipe; without it they are refused.
 
@@ -62,10 +60,7 @@ def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFo
 def read_entries(folder: str | Path) -> tuple[Path, Document, FolderEntry]:
     """What ``captures.yaml`` says, its files not yet opened; its path, and the lines it stands in.
 
-    Raises
-    ------
-    UserError
-        When it is not there, or has entries that are wrong, with line and column.
+    Raises UserError when it is not there, or has entries that are wrong, with line and column.
     """
     path = Path(folder)
     path = path if path.suffix in (".yaml", ".yml") else path / FILE

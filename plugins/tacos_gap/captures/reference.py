@@ -8,7 +8,6 @@ from tacos_plugins.authoring.reference.pages import NOTICE, settings_table
 
 
 def captures_page() -> str:
-    """Every key of ``captures.yaml``."""
     sections = [
         "# Folders of captures",
         NOTICE,

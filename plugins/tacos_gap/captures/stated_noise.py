@@ -10,13 +10,7 @@ from tacos_gap.captures.files import CaptureFiles
 
 
 class StatedNoise:
-    """Finds the noise of each capture.
-
-    Parameters
-    ----------
-    entry
-        ``captures.yaml``.
-    """
+    """Finds the noise of each capture."""
 
     def __init__(self, entry: FolderEntry, files: CaptureFiles):
         self._entry = entry

@@ -41,10 +41,7 @@ def in_time_order(captures: Sequence[RealCapture]) -> tuple[RealCapture, ...]:
 def time_doubts(captures: Sequence[RealCapture]) -> Iterator[str]:
     """Sentences on what contradicts or follows from `taken_s`, each beginning with what it is about.
 
-    Parameters
-    ----------
-    captures
-        As they are listed.
+    `captures`: as they are listed.
     """
     timed = [(capture, capture.taken_s) for capture in captures if capture.taken_s is not None]
     for (before, earlier_s), (after, later_s) in pairwise(timed):

@@ -21,17 +21,8 @@ from tacos_gap.captures.missing import FILE
 def write_captures(folder: str | Path, captures: Iterable[RealCapture]) -> Path:
     """Write images and ``captures.yaml``; returns its path.
 
-    Parameters
-    ----------
-    folder
-        Where to; made if it is not there.
-    captures
-        Taken one after another, all of one camera.
-
-    Raises
-    ------
-    ValueError
-        When the captures are not of one camera, ids would share a folder, or there are none.
+    `captures`: taken one after another, all of one camera. Raises ValueError when the captures are not of one
+    camera, ids would share a folder, or there are none.
     """
     writer = CaptureWriter(folder)
     for capture in captures:
@@ -41,19 +32,7 @@ def write_captures(folder: str | Path, captures: Iterable[RealCapture]) -> Path:
 
 @dataclass(frozen=True)
 class WrittenCapture:
-    """A capture whose files are on disk, in plain values that JSON keeps as they are.
-
-    Parameters
-    ----------
-    entry
-        What ``captures.yaml`` says of it.
-    camera
-        The entry ``camera`` of a folder that begins with it.
-    shared
-        What it must share with all captures of the folder.
-    noise
-        Fields of `Noise`, and its ``gain_db``.
-    """
+    """A capture whose files are on disk, in plain values that JSON keeps as they are."""
 
     entry: dict[str, Any]
     camera: dict[str, Any]
@@ -68,12 +47,7 @@ class CaptureWriter:
     frames, expectations, depth and motion become ``.npy``. An expectation that is the same everywhere is
     written as a number.
 
-    Parameters
-    ----------
-    folder
-        Where to; made if it is not there.
-    written
-        What another writer had added to this folder before it was ended.
+    `written`: what another writer had added to this folder before it was ended.
     """
 
     def __init__(self, folder: str | Path, written: Sequence[WrittenCapture] = ()) -> None:
@@ -86,19 +60,9 @@ class CaptureWriter:
 
     @property
     def entries(self) -> list[dict[str, Any]]:
-        """What ``captures.yaml`` says of each capture."""
         return [each.entry for each in self._written]
 
     def add(self, capture: RealCapture) -> WrittenCapture:
-        """Write the files of a capture.
-
-        All captures need equal focal length, pitch, sensor size, principal point, levels and filters.
-
-        Raises
-        ------
-        ValueError
-            When it is of another camera than those before, or would share a folder with one of them.
-        """
         shared = _shared_by_all(capture)
         first = self._written[0] if self._written else None
         camera = first.camera if first else _camera_entry(capture, shared)
@@ -119,7 +83,6 @@ class CaptureWriter:
         return written
 
     def close(self) -> Path:
-        """Write ``captures.yaml``, whole or not at all; returns its path."""
         if not self._written:
             raise ValueError("there are no captures to write")
         data = {

@@ -21,15 +21,7 @@ class NextCapture:
 def confused_with(
     effect: str, effects: Mapping[str, type[Any]], captures: Sequence[RealCapture]
 ) -> dict[str, NextCapture]:
-    """Effects these captures cannot tell from `effect`, each with the capture that would.
-
-    Parameters
-    ----------
-    effect
-        Its name, without ``effect.``.
-    effects
-        The classes of all effects by name; what one of a pair declares holds for both.
-    """
+    """Effects these captures cannot tell from `effect`, each with the capture that would."""
     found: dict[str, NextCapture] = {}
     for name, other, alike in _declared(effects):
         if effect in (name, other):

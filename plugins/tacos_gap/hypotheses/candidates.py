@@ -11,17 +11,7 @@ from tacos_framework import EffectBase, Fault, Plugins, UserError, did_you_mean,
 
 @dataclass(frozen=True)
 class Candidates:
-    """Effects that can be causes.
-
-    Parameters
-    ----------
-    effects
-        Their classes by name, without ``effect.``.
-    distributions
-        Where those come from that a distribution offers.
-    limitations
-        In a sentence each, what is left out and why.
-    """
+    """Effects that can be causes. `limitations`: in a sentence each, what is left out and why."""
 
     effects: Mapping[str, type[Any]]
     distributions: Mapping[str, str] = field(default_factory=dict)
@@ -51,18 +41,7 @@ class Candidates:
 def candidates(plugins: Plugins, without: tuple[str, ...] = ()) -> Candidates:
     """Every installed effect that can be a cause.
 
-    Parameters
-    ----------
-    plugins
-        What is installed. Effects that lack an optional package, or declare that there is nothing to guess,
-        are no candidates; those that cannot be built with their defaults are named in the limitations.
-    without
-        Names of effects that are not to be considered.
-
-    Raises
-    ------
-    UserError
-        When an effect of `without` is not installed.
+    Raises UserError when an effect of `without` is not installed.
     """
     found = {
         r.component.name: r.distribution

@@ -18,12 +18,7 @@ from tacos_gap.hypotheses.parameters import HypothesisTerm, initial_guesses_of
 class ClosedForm:
     """What captures tell of a parameter of an effect.
 
-    Parameters
-    ----------
-    effect
-        Name, without ``effect.``.
-    neutral
-        Where the parameter does nothing, in its unit.
+    `effect`: Name, without ``effect.``. `neutral`: where the parameter does nothing, in its unit.
     """
 
     effect: str
@@ -39,7 +34,6 @@ class ClosedForm:
         return "excluded" if self.estimate.is_excluded(self.neutral) else "open"
 
     def as_data(self) -> dict[str, Any]:
-        """As in ``diagnosis.json``."""
         found = self.estimate
         return {
             "effect": self.effect,

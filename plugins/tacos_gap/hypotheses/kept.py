@@ -12,7 +12,6 @@ KeptTerm = Mapping[str, Any]
 
 
 def as_kept(hypothesis: Sequence[HypothesisTerm]) -> list[KeptTerm]:
-    """An explanation as it is kept."""
     return [
         {"effect": term.name, "values": dict(term.values), "free": dict(term.free)} for term in hypothesis
     ]

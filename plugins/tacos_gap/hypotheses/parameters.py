@@ -27,8 +27,6 @@ class HypothesisTerm:
 
     Parameters
     ----------
-    name
-        The effect's name, without ``effect.``.
     values
         Parameters that differ from the class's defaults; those of one capture are as
         `tacos_gap.hypotheses.by_capture` names them.
@@ -43,16 +41,13 @@ class HypothesisTerm:
 
     @property
     def use(self) -> str:
-        """The component."""
         return f"effect.{self.name}"
 
     def placed(self, capture: str | None = None) -> PlacedEffect | None:
         """The effect as a recipe places it; None where it refuses the values, or no camera has them.
 
-        Parameters
-        ----------
-        capture
-            The capture it is placed for; values that some captures have of their own are refused together.
+        `capture`: the capture it is placed for; values that some captures have of their own are refused
+        together.
         """
         if any(self._placed(own) is None for own in captures_with_values(self.values)):
             return None
@@ -75,7 +70,6 @@ class HypothesisTerm:
 
     @property
     def theta(self) -> NDArray[np.float64]:
-        """The free parameters' values."""
         return np.array([self.values[name] for name in self.free], float)
 
     @property

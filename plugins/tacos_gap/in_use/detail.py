@@ -38,8 +38,6 @@ class Detail:
         Standard error of that [1].
     of_path
         The same, as blur along the path of each pixel makes it [1].
-    path_px
-        Path of the usual pixel during the exposure [px].
     """
 
     seen: float

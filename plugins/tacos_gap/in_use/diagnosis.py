@@ -62,7 +62,6 @@ class InUse:
 
     @property
     def next_picture(self) -> str:
-        """What to record next."""
         if self.not_separated:
             return "Pan evenly past a vertical edge: rows read one after the other slant it, blur does not."
         if all(blur.share is None for blur in self.blurs):
@@ -72,7 +71,6 @@ class InUse:
         return ""
 
     def as_data(self) -> dict[str, Any]:
-        """For ``diagnosis.json``."""
         return {
             "response": {
                 "code_dn": self.response.code_dn.tolist(),
@@ -101,10 +99,7 @@ def is_recording(folder: str | Path) -> bool:
 def diagnose_recording(folder: str | Path, progress: Progress) -> InUse:
     """What the frames of a moving camera tell of it; a response that the folder states is not looked at.
 
-    Raises
-    ------
-    UserError
-        With all that is wrong with the folder.
+    Raises UserError with all that is wrong with the folder.
     """
     progress.phase("Finding the response", None)
     recording = read_recording(folder, response="estimated")
@@ -160,7 +155,6 @@ def _response(recording: Recording, chosen: slice) -> Response:
 
 
 def in_words(found: InUse) -> str:
-    """What was found, a line for each exposure."""
     middle = found.response_error[13:-13]
     lines = [
         f"Response found from the exposures, light within {np.max(middle):.1%} from 5 to 95 % of the codes."
@@ -184,5 +178,4 @@ def _of_blur(blur: MotionBlur) -> str:
 
 
 def data_and_summary(found: InUse) -> Mapping[str, Any]:
-    """The result of the procedure."""
     return {"diagnosis": found.as_data(), "summary": in_words(found)}

@@ -11,7 +11,6 @@ from tacos_report.page import Page, Paragraph, Section, Table, in_both_widths
 
 
 def page(found: InUse) -> Page:
-    """Response, and motion for each exposure."""
     heads = (
         "exposure [ms]",
         "at rest",

@@ -15,15 +15,6 @@ from tacos_gap.inference.problem import Hypothesis, Problem, robust
 def in_its_best_form(
     problem: Problem, fitted: Fitted, guesses: Iterable[HypothesisTerm], worth: float
 ) -> Fitted:
-    """A fit whose last effect has the form that predicts best.
-
-    Parameters
-    ----------
-    guesses
-        Initial guesses of that effect; those with other free parameters than the fit has are other forms.
-    worth
-        What each parameter more must gain in log score on held-out conditions [nat].
-    """
     *rest, term = fitted.hypothesis
     forms: dict[frozenset[str], list[HypothesisTerm]] = {}
     for guess in guesses:

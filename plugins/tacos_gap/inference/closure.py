@@ -37,8 +37,6 @@ def shapley(names: Sequence[str], value: Callable[[tuple[str, ...]], float]) -> 
 
     Parameters
     ----------
-    names
-        The effects; at most six.
     value
         What a subset achieves, its names in the order of `names`; nothing achieves 0.
 
@@ -102,12 +100,7 @@ class Closures:
 def closures_of(problem: Problem, best: Fitted, rng: np.random.Generator, draws: int = 200) -> Closures:
     """Closures of an explanation, all from the same numbers; intervals by resampled captures and statistics.
 
-    Parameters
-    ----------
-    problem
-        The evidence, in the units of the explanation.
-    best
-        The explanation, of one to six effects.
+    `best`: the explanation, of one to six effects.
     """
     names = best.names
     subsets = [subset for size in range(len(names) + 1) for subset in combinations(names, size)]

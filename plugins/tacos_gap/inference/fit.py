@@ -49,8 +49,6 @@ class Fitted:
 
     Parameters
     ----------
-    hypothesis
-        The effects, with the best parameters.
     z
         (K,) residuals left [noise floor].
     jacobian
@@ -76,7 +74,6 @@ class Fitted:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The effects, in order."""
         return tuple(term.name for term in self.hypothesis)
 
     @property
@@ -92,8 +89,6 @@ def fit(
 
     Parameters
     ----------
-    hypothesis
-        The effects, where the search begins.
     near
         A fit of most of its effects in the same units: how residuals move with the parameters that both have
         is not simulated again.
@@ -299,12 +294,8 @@ def held_parts_for(problem: Problem, hypothesis: Hypothesis) -> tuple[NDArray[np
 def move_of_fold(jacobian: NDArray[np.float64], straight: NDArray[np.float64]) -> NDArray[np.float64]:
     """(P[, D]) the move that residuals of one fold would choose, at most two steps [steps that matter].
 
-    Parameters
-    ----------
-    jacobian
-        (K, P) changes of those residuals with each parameter.
-    straight
-        (K[, D]) the residuals, made robust.
+    `jacobian`: (K, P) changes of those residuals with each parameter. `straight`: (K[, D]) the residuals,
+    made robust.
     """
     return np.clip(-np.linalg.solve(_ridged(jacobian), jacobian.T @ straight), -2, 2)
 

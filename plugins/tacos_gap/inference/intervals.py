@@ -41,8 +41,6 @@ def half_widths(problem: Problem, fitted: Fitted, confidence: float = 0.9) -> ND
     ----------
     fitted
         The explanation, where its fit ended.
-    confidence
-        Probability of the intervals.
 
     Returns
     -------

@@ -22,14 +22,7 @@ LEAST_SQUARE = 1.5
 class Place:
     """A statistic that differs.
 
-    Parameters
-    ----------
-    z
-        Largest difference, signed [noise floor].
-    share
-        Its share in the squared gap.
-    at
-        Where the largest difference was.
+    `z`: largest difference, signed [noise floor]. `share`: its share in the squared gap.
     """
 
     stage: str

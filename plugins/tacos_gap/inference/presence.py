@@ -15,12 +15,8 @@ from tacos_gap.inference.unknown import SLACK, block_index
 class Proof:
     """Which shares of the squared gap prove an effect.
 
-    Parameters
-    ----------
-    mimicked
-        Up to this share something else could look so.
-    proven
-        From this one on nothing would, whatever is left elsewhere.
+    `mimicked`: up to this share something else could look so. `proven`: from this one on nothing would,
+    whatever is left elsewhere.
     """
 
     mimicked: float
@@ -58,10 +54,7 @@ def share_explained(problem: Problem, with_it: NDArray[np.float64], without: NDA
     the rest that another effect leaves there may come of that one's exact form, and proves no further
     effect; but see `A_PART`.
 
-    Parameters
-    ----------
-    with_it, without
-        (K,) residuals of the explanation with the effect and without it [noise floor].
+    `with_it`, `without`: (K,) residuals of the explanation with the effect and without it [noise floor].
     """
     if not len(with_it):
         return 0.0

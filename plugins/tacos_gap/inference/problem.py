@@ -63,12 +63,10 @@ def _side_by_side(replicates: Sequence[NDArray[np.float64]]) -> NDArray[np.float
 
 
 def _key(hypothesis: Hypothesis) -> str:
-    """What tells hypotheses apart."""
     return repr([(term.name, sorted(term.values.items(), key=str)) for term in hypothesis])
 
 
 def _place(label: Label) -> str:
-    """Where a number was taken, whatever its channel."""
     return repr(sorted((name, value) for name, value in label.at.items() if name != "channel"))
 
 
@@ -80,10 +78,7 @@ def without(hypothesis: Hypothesis, name: str) -> Hypothesis:
 def placed(hypothesis: Hypothesis, capture: str | None = None) -> list[PlacedEffect]:
     """The effects of a hypothesis as a recipe places them, without those that refuse their values.
 
-    Parameters
-    ----------
-    capture
-        The capture they are placed for, which may have values of its own.
+    `capture`: the capture they are placed for, which may have values of its own.
     """
     return [effect for term in hypothesis if (effect := term.placed(capture)) is not None]
 
@@ -135,12 +130,7 @@ class Slot:
 class Problem:
     """Evidence of all captures as one vector of residuals.
 
-    Parameters
-    ----------
-    evidence
-        One per capture, or view.
-    workers
-        Threads that captures are simulated in, side by side.
+    `evidence`: one per capture, or view. `workers`: threads that captures are simulated in, side by side.
     """
 
     def __init__(self, evidence: Sequence[Evidence], workers: int = 1):

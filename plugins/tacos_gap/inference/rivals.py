@@ -22,11 +22,6 @@ def standard_error(problem: Problem, one: Fitted, other: Fitted) -> float:
     formula misses there could as well lean to the other side. So could what is negligible: all numbers of a
     block may be off by their equivalence margins together, however little noise there is.
 
-    Parameters
-    ----------
-    one, other
-        Fits in its units.
-
     References
     ----------
     Vuong 1989, "Likelihood ratio tests for model selection and non-nested hypotheses", Econometrica 57(2);
@@ -57,8 +52,6 @@ def slot_probabilities(scores: Mapping[str, float], errors: Mapping[str, float])
 
     Parameters
     ----------
-    scores
-        Log scores on held-out conditions [nat].
     errors
         Standard error of each score's difference to that of the effect itself [nat]; 0 where missing.
 

@@ -28,8 +28,6 @@ RIDGE = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class ScreeningDirection:
-    """An effect at an initial guess: what it changes in the residuals."""
-
     term: HypothesisTerm
     change: NDArray[np.float64]
 
@@ -42,12 +40,8 @@ ScreeningDirections = Mapping[str, Sequence[ScreeningDirection]]
 class ScreeningScore:
     """Screening score: how much an effect could gain, to first order.
 
-    Parameters
-    ----------
-    gain
-        Fall of the sum of robust squares.
-    initial_guesses
-        Where its fit may begin; the best first, as far as first order tells.
+    `gain`: fall of the sum of robust squares. `initial_guesses`: where its fit may begin; the best first, as
+    far as first order tells.
     """
 
     gain: float

@@ -18,13 +18,8 @@ _LEAST_MEAN = 1e-3  # of a sum of squares in units of the noise floor: blocks wi
 class BlockTest:
     """p-values of blocks (a statistic of a capture) and of the most extreme one among many.
 
-    Parameters
-    ----------
-    p_values
-        (M,) of each block alone.
-    location, spread
-        Of the Gumbel distribution that the largest -log p of all blocks follows in the simulator's own
-        replicates, each tested against the others.
+    `p_values`: (M,) of each block alone. `location`, `spread`: of the Gumbel distribution that the largest
+    -log p of all blocks follows in the simulator's own replicates, each tested against the others.
     """
 
     p_values: NDArray[np.float64]
@@ -36,13 +31,7 @@ class BlockTest:
         return float(np.exp(-(self.location - self.spread * np.log(-np.log1p(-p_value)))))
 
     def family_p_value(self, part: NDArray[np.bool_] | None = None) -> float:
-        """p-value of the most extreme block of all, or of some.
-
-        Parameters
-        ----------
-        part
-            (M,) which blocks are looked at.
-        """
+        """p-value of the most extreme block of all, or of some."""
         chosen = self.p_values if part is None else self.p_values[part]
         if not chosen.size:
             return 1.0
@@ -62,8 +51,6 @@ def block_test(
 
     Parameters
     ----------
-    z
-        (K,) residuals [noise floor].
     replicates
         (B, K) the simulator against itself [noise floor].
     blocks

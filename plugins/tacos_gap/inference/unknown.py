@@ -151,10 +151,7 @@ def doubt_beside(problem: Problem, with_it: NDArray[np.float64], without: NDArra
     Of clipped frames saturation explains all but a five-hundredth. That vouches for no other effect, which is
     held against that rest alone.
 
-    Parameters
-    ----------
-    with_it, without
-        (K,) residuals of an explanation with the effect and without it [noise floor].
+    `with_it`, `without`: (K,) residuals of an explanation with the effect and without it [noise floor].
     """
     blocks, names = block_index(problem), block_names(problem)
     return _doubt(_share_left(with_it, without, problem.null_replicates, blocks, names))

@@ -38,11 +38,6 @@ def shares_of_priors(poses: Sequence[Mapping[str, float]], groups: Sequence[str]
     groups
         What was set up together: captures of one group have one pose, and count once.
 
-    Returns
-    -------
-    dict
-        Share of the standard deviation by term, above 0 and below 1; without terms that keep their prior.
-
     Examples
     --------
     >>> turned = [dict.fromkeys(POSE_TERMS, 0.6 + off) for off in (0.01, 0, 0.02, 0)]

@@ -20,8 +20,6 @@ def light_beyond_stated(
 
     Parameters
     ----------
-    captures
-        With what is stated of their light.
     nuisances
         For each capture what its expectation is off by, as in ``diagnosis.json``.
 

@@ -19,12 +19,7 @@ from tacos_gap.nuisances.mosaic import of_each_plane, resampled_mosaic
 def disturbed(capture: RealCapture, freedoms: Sequence[Freedom], nu: NDArray[np.float64]) -> RealCapture:
     """The capture with its expectation moved, blurred and lit by nuisances; itself where all are 0.
 
-    Parameters
-    ----------
-    freedoms
-        What the nuisances are.
-    nu
-        (F,) their values, in standard deviations of the priors.
+    `nu`: (F,) their values, in standard deviations of the priors.
     """
     if not np.any(nu):
         return capture
@@ -63,8 +58,6 @@ def homography(
 
     Parameters
     ----------
-    geometry
-        Focal length and principal point, about which the plane turns.
     shift_px
         Along x and y.
     rotation_deg

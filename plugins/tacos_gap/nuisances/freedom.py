@@ -48,21 +48,6 @@ LEAST_STRUCTURE = 0.02
 
 @dataclass(frozen=True)
 class Freedom:
-    """One direction in which an expectation may be off.
-
-    Parameters
-    ----------
-    name
-        ``gain``, a term of the light (`LIGHT_TERMS`), ``shift_x_px``, ``shift_y_px``, ``rotation_deg``,
-        ``scale``, ``tilt_x_deg``, ``tilt_y_deg``, ``blur_px2`` or ``noise_share``.
-    sigma
-        Standard deviation of its prior, which is Gaussian around 0, in the unit of the name.
-    channel
-        The channel it holds for; None for all.
-    share
-        `sigma` over that of the prior, where captures disagree by less than that allows.
-    """
-
     name: str
     sigma: float
     channel: int | None = None
@@ -121,10 +106,7 @@ def _is_registrable(capture: RealCapture) -> bool:
 def stated(freedoms: Sequence[Freedom], nu: NDArray[np.float64]) -> dict[str, Any]:
     """Nuisances as ``diagnosis.json`` has them, in their units.
 
-    Parameters
-    ----------
-    nu
-        (F,) their values, in standard deviations of the priors.
+    `nu`: (F,) their values, in standard deviations of the priors.
     """
     value = {(f.name, f.channel): float(n * f.sigma) for f, n in zip(freedoms, nu, strict=True)}
     names = {name for name, _ in value}

@@ -21,12 +21,8 @@ _ROBUST_SCALE = 10.0  # beyond it a residual weighs less, as in `problem.robust`
 class Marginal:
     """The freedom of a capture's nuisances.
 
-    Parameters
-    ----------
-    directions
-        (K, F) change of the simulated numbers per standard deviation of each nuisance [noise floor].
-    nu
-        (F,) where the expectation stands [standard deviations].
+    `directions`: (K, F) change of the simulated numbers per standard deviation of each nuisance [noise
+    floor]. `nu`: (F,) where the expectation stands [standard deviations].
     """
 
     directions: NDArray[np.float64]
@@ -37,12 +33,7 @@ class Marginal:
     ) -> NDArray[np.float64]:
         """(..., K) residuals with unit variance, the nuisances included.
 
-        Parameters
-        ----------
-        z
-            (..., K) residuals at `nu`.
-        scale
-            (K,) their noise floor over that of `directions`.
+        `scale`: (K,) their noise floor over that of `directions`.
         """
         if not self.nu.size:
             return z

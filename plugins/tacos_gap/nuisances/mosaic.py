@@ -20,12 +20,7 @@ _ORIGINS = ((0, 0), (1, 0), (0, 1), (1, 1))  # x, y of the first pixel of each p
 def of_each_plane(frame: Image, change: Callable[[Image], Image]) -> Image:
     """A mosaic whose planes were changed one by one.
 
-    Parameters
-    ----------
-    frame
-        (H, W, 1) the mosaic.
-    change
-        Called with each plane.
+    `frame`: (H, W, 1) the mosaic. `change`: called with each plane.
     """
     changed = np.empty_like(frame)
     for x, y in _ORIGINS:
@@ -36,12 +31,8 @@ def of_each_plane(frame: Image, change: Callable[[Image], Image]) -> Image:
 def resampled_mosaic(frames: Image, source: Places) -> Image:
     """(N, H, W, 1) mosaics whose photosites look elsewhere, each among those of its own colour.
 
-    Parameters
-    ----------
-    frames
-        (N, H, W, 1) mosaics.
-    source
-        (H, W) or (N, H, W) columns and rows of the mosaic where its photosites look [px].
+    `frames`: (N, H, W, 1) mosaics. `source`: (H, W) or (N, H, W) columns and rows of the mosaic where its
+    photosites look [px].
     """
     moved = np.empty_like(frames)
     for x, y in _ORIGINS:

@@ -32,8 +32,6 @@ def expectation_noise(
 
     Parameters
     ----------
-    rng
-        Where the draw comes from.
     share
         Its variance, over that of one frame.
 

@@ -11,13 +11,6 @@ from tacos_gap.simulation.bench import recipe_renderer
 
 
 def check_all(*checks: Callable[[], Any]) -> None:
-    """Make every check.
-
-    Raises
-    ------
-    UserError
-        With the faults of all of them.
-    """
     faults: list[Fault] = []
     for each in checks:
         try:
@@ -31,9 +24,6 @@ def check_all(*checks: Callable[[], Any]) -> None:
 def check_captures(folder: str, plugins: Plugins) -> None:
     """Whether a folder of captures can be read, each of its files included: a run then begins with all of it.
 
-    Raises
-    ------
-    UserError
-        With every fault of the folder.
+    Raises UserError with every fault of the folder.
     """
     read_captures(folder, recipe_renderer(plugins))

@@ -65,8 +65,6 @@ class Diagnose:
     """
 
     class Config(Settings):
-        """Settings of the diagnosis."""
-
         captures: str = setting(
             "captures",
             help="Folder of captures, or a recording at several exposures (times.csv) without a simulation.",
@@ -111,7 +109,6 @@ class Diagnose:
         self.config = config
 
     def check(self, *, plugins: Plugins) -> None:
-        """Look for faults in everything the settings name: effects, sensor, captures, study and task."""
         if is_recording(self.config.captures):
             read_recording(self.config.captures, response="estimated")
             return
@@ -127,7 +124,6 @@ class Diagnose:
     def run(
         self, *, out: Path, seed: int, plugins: Plugins, executor: Executor, progress: Progress, resume: bool
     ) -> Mapping[str, Any]:
-        """Diagnose, and write what was found; what is known so far lies in ``so_far.json`` meanwhile."""
         if is_recording(self.config.captures):
             return _in_use(self.config.captures, out, progress)
         began = time.monotonic()
@@ -226,7 +222,6 @@ class Diagnose:
 
 
 def _in_use(folder: str, out: Path, progress: Progress) -> Mapping[str, Any]:
-    """The diagnosis of a recording, which needs no simulation."""
     from tacos_gap.in_use.diagnosis import data_and_summary, diagnose_recording
     from tacos_gap.in_use.page import page as page_in_use
 
@@ -269,12 +264,8 @@ def summary(
 ) -> str:
     """What was found, in a few lines.
 
-    Parameters
-    ----------
-    shown_from
-        What would have shown, by effect, for a diagnosis without a gap.
-    processed
-        Traces of a camera's software in the files.
+    `shown_from`: what would have shown, by effect, for a diagnosis without a gap. `processed`: traces of a
+    camera's software in the files.
     """
     said = {
         "no_gap": "No gap: the captures differ from the simulation by no more than its own noise.",

@@ -76,12 +76,7 @@ class Telling:
 
     A context manager: it speaks from another thread until it is left.
 
-    Parameters
-    ----------
-    every_s
-        Longest silence [s].
-    clock
-        Seconds since any moment.
+    `every_s`: longest silence [s]. `clock`: seconds since any moment.
     """
 
     def __init__(
@@ -96,19 +91,16 @@ class Telling:
         self._speaker = threading.Thread(target=self._speak, daemon=True)
 
     def __enter__(self) -> Self:
-        """Begin to speak."""
         self._speaker.start()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        """Fall silent."""
         self._over.set()
         self._speaker.join()
 
     def __call__(self, text: str) -> None:
-        """A stage begins."""
         self._share = done_after(self._share, text)
         self._at, self._stage_began_s = text, self._clock()
         self._say(text)

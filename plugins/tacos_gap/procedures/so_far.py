@@ -18,10 +18,7 @@ from tacos_gap.hypotheses.kept import KeptTerm
 class KeptSoFar:
     """Writes what is known so far, and says at first sight what arithmetic tells.
 
-    Parameters
-    ----------
-    path
-        The file, which is written whole or not at all.
+    `path`: the file, which is written whole or not at all.
     """
 
     def __init__(self, path: Path, progress: Progress) -> None:
@@ -30,7 +27,6 @@ class KeptSoFar:
         self._is_first = True
 
     def __call__(self, so_far: SoFar) -> None:
-        """Keep it."""
         told = json.dumps(so_far.as_data(), indent=1, ensure_ascii=False) + "\n"
         replace_file(self._path, told.encode())
         if self._is_first and so_far.closed_forms:

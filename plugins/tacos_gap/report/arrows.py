@@ -25,8 +25,6 @@ class Displacements:
 
     Parameters
     ----------
-    title
-        What is displaced; empty where it needs no name.
     places_px
         (K, 2) where they start, x and y [px].
     before_px, after_px

@@ -153,13 +153,8 @@ def task_scores(task: Mapping[str, Mapping[str, Any]], *, narrow: bool = False) 
 def decision(cameras: Sequence[Mapping[str, Any]], *, narrow: bool = False) -> str:
     """SVG of a row per camera: its fitness in the simulation as it was, and with the causes.
 
-    Parameters
-    ----------
-    cameras
-        ``camera``, and its fitness ``without`` and ``with``; None where it failed. ``ci`` holds the interval
-        of either.
-    narrow
-        For the width of a phone: cameras stand above their rows.
+    `cameras`: ``camera``, and its fitness ``without`` and ``with``; None where it failed. ``ci`` holds the
+    interval of either. `narrow`: for the width of a phone: cameras stand above their rows.
     """
 
     def paint(figure: Figure) -> None:

@@ -29,10 +29,7 @@ def contact_sheet(folder: Path) -> Page:
 
     Captures that a diagnosis would leave out are shown like all others.
 
-    Raises
-    ------
-    UserError
-        With all faults of ``captures.yaml``, and all files that are missing or no pictures.
+    Raises UserError with all faults of ``captures.yaml``, and all files that are missing or no pictures.
     """
     path, document, entry = read_entries(folder)
     files = CaptureFiles(path.parent, document, entry.camera.channels)

@@ -38,17 +38,7 @@ _MAPS = frozenset(
 
 @dataclass(frozen=True, eq=False)
 class Artist:
-    """Draws statistics of a diagnosis.
-
-    Parameters
-    ----------
-    captures
-        The captures, for histograms.
-    hypothesis
-        The causes; none where nothing was added.
-    before, after
-        What the two simulations are called; `after` is None where nothing was added.
-    """
+    """Draws statistics of a diagnosis. `captures`: the captures, for histograms."""
 
     problem: Problem
     captures: Sequence[RealCapture]
@@ -120,7 +110,6 @@ def mapped(statistics: Iterable[str]) -> str | None:
 
 
 def decisive(problem: Problem, best: Fitted, effect: str) -> tuple[str, Any] | None:
-    """The statistic an effect explains most of, and the residuals without it; None if they cannot be had."""
     rest = problem.residual(without(best.hypothesis, effect))
     if rest is None:
         return None

@@ -33,8 +33,6 @@ class ComparedFrames:
 
     Parameters
     ----------
-    capture
-        Name of the capture.
     whole
         (H, W, 3) uint8 each: real, before, after (or without the last).
     crops
@@ -43,8 +41,6 @@ class ComparedFrames:
         Real less before and after, in blue and vermilion.
     reach_dn
         The difference drawn in full colour [DN].
-    stretched
-        Whether the levels are stretched apart.
     rms_dn
         Root mean square of what is drawn as differences, before and after [DN].
     noise_dn

@@ -31,8 +31,6 @@ def image_map(name: str, numbers: Numbers, *, before: str, after: str | None, na
 
     Parameters
     ----------
-    name
-        Unique among the drawings of a page.
     numbers
         Numbers with a ``box_px`` each; where several captures or channels share a box, their mean is shown.
     before, after

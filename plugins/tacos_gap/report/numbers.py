@@ -23,8 +23,6 @@ class Numbers:
     ----------
     statistic, stage
         Its name, and the stage of image formation it shows most often.
-    labels
-        What each number is.
     z_before, z_after
         (K,) real less simulated [noise floor].
     sigma

@@ -43,20 +43,7 @@ MOST_SCORES = 3
 class Circumstances:
     """How a diagnosis was run, for who wants to repeat it.
 
-    Parameters
-    ----------
-    seed
-        Seed of all simulations.
-    patch
-        ``patched.yaml``.
-    seconds
-        What the diagnosis took [s].
-    without
-        Effects that were not considered.
-    decision
-        What becomes of a study; empty where none was asked for.
-    considered
-        The classes of all effects that could be causes, by name.
+    `decision`: what becomes of a study; empty where none was asked for.
     """
 
     seed: int
@@ -69,7 +56,6 @@ class Circumstances:
 
 
 def page(diagnosis: Diagnosis, folder: CaptureFolder, run: Circumstances) -> Page:
-    """The whole page."""
     best = diagnosis.attribution.best
     numbers = numbers_of(diagnosis.problem, diagnosis.problem.null, best.held_out)
     after = "with the causes" if best.hypothesis else None

@@ -45,16 +45,7 @@ def profile(
 ) -> str:
     """SVG of real dots within the noise floor's band, and lines of the simulation before and after.
 
-    Parameters
-    ----------
-    name
-        Unique among the drawings of a page.
-    kind
-        What the horizontal axis is; ``"places"`` sets the numbers that differ most side by side.
-    before, after
-        What the two simulations are called; without `after` there is one.
-    narrow
-        For the width of a phone: panels stand below each other.
+    `kind`: what the horizontal axis is; ``"places"`` sets the numbers that differ most side by side.
     """
     view = view_of(numbers.statistic)
     curves = [] if kind == "places" else _curves(numbers, kind, view)[:3]

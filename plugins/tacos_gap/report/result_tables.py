@@ -29,7 +29,6 @@ class DiagnosisResult:
 
     @property
     def verdict(self) -> str:
-        """``no_gap``, ``explained``, ``partly_explained`` or ``unknown``."""
         return str(self.data["verdict"])
 
     def causes(self) -> pandas.DataFrame:

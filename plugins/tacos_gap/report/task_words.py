@@ -28,7 +28,6 @@ def closed(found: Found) -> float | None:
 
 
 def hidden(found: Found) -> bool:
-    """Whether real and simulated scores lie within each other's intervals from the beginning."""
     ci = found.get("ci")
     if not ci:
         return False

@@ -15,17 +15,7 @@ from tacos_report.page import Code, Page, Paragraph, Section
 def undiagnosed_page(
     folder: CaptureFolder, limitations: Sequence[str], effects: Mapping[str, type[Any]], command: str
 ) -> Page:
-    """What was photographed, why it tells nothing, and what to photograph.
-
-    Parameters
-    ----------
-    limitations
-        What each lacks, in sentences.
-    effects
-        The classes of all effects that could be causes, by name.
-    command
-        What to type to run it again.
-    """
+    """What was photographed, why it tells nothing, and what to photograph."""
     wanted = f"Capture next: {WANTED.kind}. {WANTED.why[:1].upper()}{WANTED.why[1:]}."
     return Page(
         "Diagnosis of the gap between captures and their simulation",
@@ -41,7 +31,6 @@ def undiagnosed_page(
 
 
 def undiagnosed_summary(limitations: Sequence[str]) -> str:
-    """What is said on the terminal."""
     said = [f"  {text}" for text in gathered(limitations)]
     lines = ["Unknown: nothing could be measured in any capture.", *said]
     return "\n".join([*lines, f"Capture next: {WANTED.kind}; {WANTED.why}."])

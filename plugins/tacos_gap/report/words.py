@@ -27,13 +27,6 @@ def captures_in_words(count: int) -> str:
 
 
 def listed(names: Sequence[str]) -> str:
-    """Names in a row.
-
-    Examples
-    --------
-    >>> listed(["a"]), listed(["a", "b", "c"])
-    ('a', 'a, b and c')
-    """
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 

@@ -41,8 +41,6 @@ def simulate(
 
     Parameters
     ----------
-    capture
-        Supplies the expected values, the sensor and the levels.
     effects
         Effects as a recipe places them, in any order. Those that need what is not known of the capture, as
         motion of a still, are left out.
@@ -194,7 +192,6 @@ class _Watched(EpisodeDraws):
     _given: list[tuple[np.random.Generator, Any]] = field(default_factory=list, repr=False, compare=False)
 
     def rng(self, frame: int, *what: str) -> np.random.Generator:
-        """See `EpisodeDraws.rng`."""
         rng = super().rng(frame, *what)
         self._given.append((rng, _state(rng)))
         return rng
@@ -237,7 +234,6 @@ class _WhereKnown(ActingEffect):
     """An effect that is left out where too little is known of the capture."""
 
     def source(self, *, geometry: ImageGeometry, context: ImageContext, frames: int) -> Places | None:
-        """See `ActingEffect.source`."""
         try:
             return super().source(geometry=geometry, context=context, frames=frames)
         except ContextMissing:
@@ -252,7 +248,6 @@ class _WhereKnown(ActingEffect):
         draws: EpisodeDraws,
         frame: int,
     ) -> NDArray[Any]:
-        """See `ActingEffect.on`."""
         try:
             return super().on(samples, geometry=geometry, context=context, draws=draws, frame=frame)
         except ContextMissing:
@@ -283,7 +278,6 @@ def _per_frame(context: ImageContext) -> tuple[bool, bool]:
 
 
 def _of_frame(context: ImageContext, frame: int) -> ImageContext:
-    """The context of one frame."""
     depth_varies, motion_varies = _per_frame(context)
     known: dict[str, Any] = {}
     if depth_varies and context.depth_m is not None:

@@ -19,10 +19,7 @@ Key = tuple[str, ...]
 class KeptLight:
     """Samples by the effects that made them, the last ones used. Threads may share it.
 
-    Parameters
-    ----------
-    most_bytes
-        What is remembered at most.
+    `most_bytes`: what is remembered at most.
     """
 
     def __init__(self, most_bytes: int) -> None:

@@ -40,14 +40,7 @@ HIGHEST = 0.6
 class CapturedNoise:
     """The affine noise of a capture as a sensor; its light is in DN above the pedestal already.
 
-    Parameters
-    ----------
-    noise
-        Of ``captures.yaml``, or estimated.
-    black_level_dn, white_level_dn
-        Of its files [DN].
-    kept
-        Remembers the normal numbers of its frames, where these are drawn again and again.
+    `kept`: remembers the normal numbers of its frames, where these are drawn again and again.
     """
 
     def __init__(
@@ -59,13 +52,11 @@ class CapturedNoise:
         self.white_level_dn = white_level_dn
 
     def expect(self, light_cd_m2: Samples, *, camera: Camera, exposure: Exposure) -> Samples:
-        """See `tacos_framework.contracts.Sensor.expect`."""
         return light_cd_m2 + np.float32(self.black_level_dn)
 
     def moments(
         self, samples_dn: Samples, *, camera: Camera, exposure: Exposure, photon_scale: float = 1.0
     ) -> tuple[Samples, Samples]:
-        """See `tacos_framework.contracts.Sensor.moments`."""
         signal = samples_dn - np.float32(self.black_level_dn)
         return samples_dn, self.noise.variance_dn2(signal, photon_scale)
 
@@ -78,7 +69,6 @@ class CapturedNoise:
         rng: np.random.Generator,
         photon_scale: float = 1.0,
     ) -> Samples:
-        """See `tacos_framework.contracts.Sensor.draw`."""
         noisy = np.empty(samples_dn.shape, np.float32)
         add_noise(
             samples_dn,
@@ -160,10 +150,8 @@ def dark_signal(sensor: SensorAt, channels: int) -> NDArray[np.float32]:
 def with_sensor(captures: Sequence[RealCapture], placed: PlacedSensor) -> tuple[RealCapture, ...]:
     """Captures that a sensor component simulates, in place of the noise of ``captures.yaml``.
 
-    Raises
-    ------
-    UserError
-        Where the sensor's levels or channels are not those of the files, or it knows too little of a camera.
+    Raises UserError where the sensor's levels or channels are not those of the files, or it knows too little
+    of a camera.
     """
     simulated = []
     for capture in captures:

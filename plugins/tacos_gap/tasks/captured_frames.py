@@ -37,11 +37,8 @@ class TruthMissing(RuntimeError):
 class CapturedView(View):
     """What a real camera faced; reading what nobody knows of it raises `TruthMissing`.
 
-    Parameters
-    ----------
-    unknown
-        Arrays of the view that hold nothing. They are hidden once the frames are put together, as their
-        shapes are checked then.
+    `unknown`: arrays of the view that hold nothing. They are hidden once the frames are put together, as
+    their shapes are checked then.
     """
 
     unknown: frozenset[str] = frozenset()
@@ -55,13 +52,6 @@ class CapturedView(View):
 
 def as_batch(capture: RealCapture, frames_dn: NDArray[np.float32]) -> FrameBatch:
     """Frames of a capture as those of a simulated walk.
-
-    Parameters
-    ----------
-    capture
-        Supplies the camera, the levels, and the truth it carries: depth and objects.
-    frames_dn
-        (N, H, W, C) values of files [DN].
 
     Returns
     -------

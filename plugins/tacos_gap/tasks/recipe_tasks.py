@@ -33,10 +33,6 @@ class RecipeTask:
 
     Parameters
     ----------
-    node
-        Its name in the recipe, which its scores begin with.
-    part
-        Its class and settings.
     state
         What it has learnt; None for a task that does not learn.
     why_not
@@ -114,19 +110,7 @@ def frozen_plan(
 
     Training goes by frames of one simulation; to compare two, and real frames, all need the same weights.
 
-    Parameters
-    ----------
-    study
-        Its recipe: a path, or the name of a shipped one.
-    change
-        Keys of it to change.
-    where
-        The setting that names it, for messages.
-
-    Raises
-    ------
-    UserError
-        When it is no study, or cannot be run so.
+    Raises UserError when it is no study, or cannot be run so.
     """
     recipe = load_recipe(study, dict(change), effects)
     if not isinstance(recipe, Recipe):

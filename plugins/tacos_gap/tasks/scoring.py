@@ -30,13 +30,7 @@ Scores = Mapping[str, float]
 
 @dataclass(frozen=True)
 class CaptureScores:
-    """Scores of a capture by ``node.score``, once for each pair of frames or draw of the noise.
-
-    Parameters
-    ----------
-    real, sim_before, sim_after
-        On real frames, and on frames simulated without and with the effects.
-    """
+    """Scores of a capture by ``node.score``, once for each pair of frames or draw of the noise."""
 
     capture: str
     real: tuple[Scores, ...]
@@ -52,12 +46,8 @@ class CaptureScores:
 class ScoredTasks:
     """What tasks scored, and why some could not.
 
-    Parameters
-    ----------
-    captures
-        Scores of each capture that showed something.
-    left_out
-        For each task that gave no score, its title and why, in a sentence.
+    `captures`: scores of each capture that showed something. `left_out`: for each task that gave no score,
+    its title and why, in a sentence.
     """
 
     captures: tuple[CaptureScores, ...]
@@ -80,14 +70,8 @@ def score_tasks(
 
     Stills are scored two frames at a time, sequences whole; the simulation with as many frames each time.
 
-    Parameters
-    ----------
-    captures
-        All captures; those of even fields and boards, and those without an expectation, show nothing.
-    effects_in
-        The causes in a capture, as a recipe places them.
-    seed
-        Seeds the noise of the simulations.
+    `captures`: all captures; those of even fields and boards, and those without an expectation, show nothing.
+    `effects_in`: the causes in a capture, as a recipe places them.
     """
     shown = [c for c in captures if c.kind in KINDS and c.expected_dn is not None]
     why = {task.node: task.why_not for task in tasks}

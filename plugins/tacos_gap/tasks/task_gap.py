@@ -39,7 +39,6 @@ class TaskScore:
     captures: int
 
     def as_data(self) -> dict[str, Any]:
-        """For ``diagnosis.json``."""
         means = {name: round(getattr(self, name), 4) for name in STACKS}
         if self.intervals is None:
             return {**means, "ci": None, "captures": self.captures}

@@ -20,10 +20,7 @@ def catalog_choices(
 ) -> str:
     """SVG of the best rows of a catalog variable, each with the fitness of every candidate that used it.
 
-    Parameters
-    ----------
-    designed
-        Name of the row that the designed camera has; it is shown wherever it ranks, if it was tried.
+    `designed`: name of the row that the designed camera has; it is shown wherever it ranks, if it was tried.
     """
     rows = _ranked(variable, tried)
     shown = [row for place, row in enumerate(rows) if place < _SHOWN or row[0] == designed]

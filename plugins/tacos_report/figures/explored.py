@@ -34,10 +34,7 @@ class Panel:
 def explored(panels: Sequence[Panel], scored: Sequence[Tried], *, narrow: bool = False) -> str:
     """SVG of small scatter plots with a shared fitness axis; later candidates are darker.
 
-    Parameters
-    ----------
-    scored
-        Candidates that have a fitness, at least one; the panels' values are theirs.
+    `scored`: candidates that have a fitness, at least one; the panels' values are theirs.
     """
     columns = min(1 if narrow else _COLUMNS, len(panels))
     rows = math.ceil(len(panels) / columns)

@@ -19,10 +19,7 @@ def footprints(cameras: Sequence[CameraResult], picture_uri: str) -> str:
     Exact for cameras at the same place: a frame turns into a quadrilateral by the difference in pitch alone.
     Cameras whose field of view is not known, or whose frame leaves the picture far behind, are left out.
 
-    Parameters
-    ----------
-    picture_uri
-        Data URI of the first camera's picture.
+    `picture_uri`: data URI of the first camera's picture.
     """
     first, *others = cameras
     half_width, half_height = half_extents(first.derived["hfov_deg"], first.derived["vfov_deg"])

@@ -47,10 +47,7 @@ def shares(influences: Sequence[Influence], *, narrow: bool = False) -> str:
 def curves(influences: Sequence[Influence], chosen: Mapping[str, Any], *, narrow: bool = False) -> str:
     """SVG of the fitness along each variable with its band, at least two points each.
 
-    Parameters
-    ----------
-    chosen
-        The designed camera's variables.
+    `chosen`: the designed camera's variables.
     """
     columns = min(1 if narrow else _COLUMNS, len(influences))
     rows = math.ceil(len(influences) / columns)

@@ -19,12 +19,8 @@ _LIGHT_TEXT_ON = {TERMS[0], TERMS[3], TERMS[5]}
 def score_terms(cameras: Sequence[CameraResult], scores: Sequence[str], *, narrow: bool = False) -> str:
     """SVG of one bar per tested camera, one segment per term of the fitness, error bars where known.
 
-    Parameters
-    ----------
-    scores
-        The terms in the order they are stacked.
-    narrow
-        For the width of a phone: names stand above the bars.
+    `scores`: the terms in the order they are stacked. `narrow`: for the width of a phone: names stand above
+    the bars.
     """
     drawn = [(index, camera) for index, camera in enumerate(cameras) if camera.fitness is not None]
     totals = ", ".join(f"{camera.title} {number(camera.fitness or 0.0)}" for _, camera in drawn)

@@ -24,11 +24,8 @@ def search_curve(
 ) -> str:
     """SVG of fitness against images rendered (or candidates, where no images were counted).
 
-    Parameters
-    ----------
-    is_design
-        Whether the variables are the designed camera's, which gets the star where it was first tried: the
-        highest dot may be luck.
+    `is_design`: true if the variables are the designed camera's, which gets the star where it was first
+    tried: the highest dot may be luck.
     """
     spent = [generation.frames for generation in generations]
     unit = "images rendered"

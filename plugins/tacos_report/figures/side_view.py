@@ -53,12 +53,8 @@ def side_view(
 
     Cameras without ``vfov_deg`` are left out; the colour of each is that of its place in `cameras`.
 
-    Parameters
-    ----------
-    height_m
-        Height of the cameras above the ground [m].
-    carried_by
-        What carries them, as scenes say: ``person``, ``car``.
+    `height_m`: height of the cameras above the ground [m]. `carried_by`: what carries them, as scenes say:
+    ``person``, ``car``.
     """
     stage = _Stage(carrier_of(carried_by), height_m, ground)
     drawn = [(index, camera) for index, camera in enumerate(cameras) if "vfov_deg" in camera.derived]

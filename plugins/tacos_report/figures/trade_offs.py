@@ -28,10 +28,7 @@ def trade_offs(
 ) -> str:
     """SVG of one panel per objective, the fitness upwards in all of them.
 
-    Parameters
-    ----------
-    designed
-        The designed camera's variables, which may be those of a point.
+    `designed`: the designed camera's variables, which may be those of a point.
     """
     columns = min(1 if narrow else _COLUMNS, len(objectives))
     rows = math.ceil(len(objectives) / columns)

@@ -24,7 +24,6 @@ Row = tuple[str | Detailed, ...]
 
 
 def title(study: StudyData) -> str:
-    """The heading of the section."""
     if not study.tested:
         return "The cameras"
     return "On scenes none of them was tuned on" if study.others else "On unseen scenes"

@@ -10,7 +10,6 @@ from tacos_framework import DONE, Command, Fault, UserError
 
 
 def commands() -> list[Command]:
-    """The commands; importing this is light."""
     return [Command("watch", "show a study while it runs", _arguments, _watch)]
 
 

@@ -11,13 +11,7 @@ HEADS = ("", "Camera", "Fitness", "In round")
 
 
 def state(study: RunningStudy, now_s: float) -> str:
-    """State and progress of the run.
-
-    Parameters
-    ----------
-    now_s
-        The time, in seconds since the epoch.
-    """
+    """State and progress of the run. `now_s`: the time, in seconds since the epoch."""
     done = f"{len(study.tried)} candidates scored, {number(study.images, 6)} images rendered"
     failed = f", {study.failed} failed" if study.failed else ""
     if study.stopped is not None:

@@ -25,20 +25,12 @@ class RunningStudy:
 
     Parameters
     ----------
-    name
-        What its recipe calls it.
-    generations
-        The rounds of the search that are finished.
     last_line
         The last line of its log, which says what it does.
     written_at_s
         When the study last wrote to its folder, in seconds since the epoch; pages are written by others too.
-    is_running
-        Whether a process works on it.
     stopped
         Why it ended; None while it runs, and where its process was killed.
-    report
-        Its report, once there is one.
     """
 
     name: str
@@ -61,7 +53,6 @@ class RunningStudy:
 
     @property
     def failed(self) -> int:
-        """Candidates that could not be scored."""
         return sum(candidate.fitness is None for candidate in self.tried)
 
     @property
@@ -78,10 +69,7 @@ class RunningStudy:
 def read_running(folder: Path) -> RunningStudy:
     """The study of a results folder as it stands now.
 
-    Raises
-    ------
-    UserError
-        Where the folder is none of a study, or a file of it is damaged.
+    Raises UserError where the folder is none of a study, or a file of it is damaged.
     """
     recipe = folder / "recipe.yaml"
     if not recipe.is_file():

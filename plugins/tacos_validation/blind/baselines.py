@@ -23,13 +23,7 @@ LEAST_GAIN = 0.02
 
 
 def simpler_answers(found: Diagnosis, effects: Mapping[str, type[Any]]) -> dict[str, list[str]]:
-    """Effects named by each simpler method, best first; an empty list for nothing.
-
-    Parameters
-    ----------
-    found
-        The diagnosis, whose captures and fits are used.
-    """
+    """Effects named by each simpler method, best first; an empty list for nothing."""
     fits = list(found.attribution.fits.values())
     return {
         "pixel-MSE greedy": by_pixels(found.problem, effects),

@@ -25,12 +25,7 @@ Stated = tuple[float, bool]
 class Bin:
     """Statements of about the same probability.
 
-    Parameters
-    ----------
-    true
-        Share of them that is so.
-    low, high
-        Its 95 % interval (Clopper and Pearson 1934).
+    `true`: share of them that is so. `low`, `high`: its 95 % interval (Clopper and Pearson 1934).
     """
 
     stated: float
@@ -113,10 +108,7 @@ def calibration_figures(
 ) -> list[Figure]:
     """Figures on sets, presences, intervals and errors.
 
-    Parameters
-    ----------
-    charts, natural
-        Those of T1 that are strong enough to count, by what was captured.
+    `charts`, `natural`: those of T1 that are strong enough to count, by what was captured.
     """
     named = [c for c in (*charts, *(c for c in cases if c.tier == "T2")) if not c.failed]
     found = {

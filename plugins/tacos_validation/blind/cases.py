@@ -14,16 +14,8 @@ from tacos_validation.blind.parameters_found import ParameterFound, parameters_f
 class Case:
     """One case.
 
-    Parameters
-    ----------
-    tier
-        ``T0`` to ``T7``.
-    truth
-        What was withheld, as committed to.
-    answer
-        ``diagnosis.json`` and more; or ``error`` alone.
-    fresh_gaps
-        Gaps on captures that were kept back; None where none were.
+    `answer`: ``diagnosis.json`` and more; or ``error`` alone. `fresh_gaps`: gaps on captures that were kept
+    back; None where none were.
     """
 
     name: str
@@ -49,7 +41,6 @@ class Case:
 
     @property
     def captures(self) -> str:
-        """Name of its set of captures."""
         return str(self.truth["specification"]["captures"])
 
     @property
@@ -59,7 +50,6 @@ class Case:
 
     @property
     def failed(self) -> bool:
-        """True if there was no answer at all."""
         return "error" in self.answer
 
     @property
@@ -69,7 +59,6 @@ class Case:
 
     @property
     def sureness(self) -> tuple[float, ...]:
-        """Certainty of each cause in the answer."""
         return tuple(sureness(cause) for cause in self.answer.get("causes", ()))
 
     @property
@@ -96,7 +85,6 @@ class Case:
 
     @property
     def judgement(self) -> Judgement | None:
-        """The answer against what is `known`."""
         return judged(self.known, self.answer) if self.known else None
 
     @property
@@ -107,7 +95,6 @@ class Case:
 
     @property
     def right(self) -> bool:
-        """True if the answer is right, by the rule of its tier."""
         if self.failed:
             return False
         if self.judgement:
@@ -137,7 +124,6 @@ class Case:
         return parameters_found(self.first, self.truth["withheld"][0]["parameters"], self.answer["causes"][0])
 
     def as_data(self) -> dict[str, Any]:
-        """A line of ``cases.jsonl``."""
         return {
             "case": self.name,
             "tier": self.tier,
@@ -149,5 +135,4 @@ class Case:
 
     @classmethod
     def of(cls, data: Mapping[str, Any]) -> Case:
-        """From a line of ``cases.jsonl``."""
         return cls(data["case"], data["tier"], data["truth"], data["answer"], data["fresh_gaps"])

@@ -49,8 +49,6 @@ class GapBlindCheck:
     """
 
     class Config(Settings):
-        """Settings of the check."""
-
         counts: Counts = setting(Counts(), help="How many cases of each tier.")
         width_px: int = setting(160, help="Width of the captures.", unit="px", ge=64)
         height_px: int = setting(120, help="Height of the captures.", unit="px", ge=48)
@@ -79,7 +77,6 @@ class GapBlindCheck:
     def run(
         self, *, out: Path, seed: int, plugins: Plugins, executor: Executor, progress: Progress, resume: bool
     ) -> Mapping[str, Any]:
-        """Check; leaves ``report.html``, ``cases.jsonl`` and ``commitments.jsonl``."""
         config = self.config
         notes: list[str] = []
         size = (config.width_px, config.height_px)
@@ -109,7 +106,6 @@ class GapBlindCheck:
         return _result(cases, scored, notes)
 
     def _real(self, notes: list[str], effects: Sequence[str]) -> list[RealCase]:
-        """All real cases, of both folders."""
         found: list[RealCase] = []
         for key, folder in (("real", self.config.real), ("real_data", self.config.real_data)):
             if folder and not Path(folder).is_dir():
@@ -183,7 +179,6 @@ def _fresh_gaps_job(
 
 
 def _clear(batch: Batch, out: Path) -> None:
-    """Remove the captures of a batch, and the folder of captures with the last."""
     for each in batch:
         shutil.rmtree(out / MADE / name_of(each))
     if not any((out / MADE).iterdir()):

@@ -18,12 +18,8 @@ class Figure:
     ----------
     value, low, high
         The figure, and its 95 % interval; NaN where there are no cases.
-    count
-        Cases, or numbers, behind it.
-    goal
-        The goal, in words; empty where there is none.
     met
-        Whether it is met; None without a goal or cases.
+        True if it is met; None without a goal or cases.
     unit
         ``%`` for shares, else what follows the number.
     """
@@ -65,7 +61,6 @@ def interval(hits: int, count: int) -> tuple[float, float]:
 def share(
     name: str, cases: Iterable[bool], goal: str = "", meets: Callable[[float], bool] | None = None
 ) -> Figure:
-    """A share with its interval."""
     hits = list(cases)
     value = sum(hits) / len(hits) if hits else math.nan
     met = meets(value) if meets and hits else None
@@ -92,10 +87,8 @@ def middle(
 
 
 def at_least(least: float) -> Callable[[float], bool]:
-    """Meets a goal from below."""
     return lambda value: value >= least
 
 
 def at_most(most: float) -> Callable[[float], bool]:
-    """Meets a goal from above."""
     return lambda value: value <= most

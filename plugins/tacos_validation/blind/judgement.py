@@ -54,7 +54,6 @@ class KnownTruth:
         return cls(**lists, negligible=data.get("negligible", {}))
 
     def as_data(self) -> dict[str, Any]:
-        """As plain data."""
         return {**{key: list(getattr(self, key)) for key in _LISTS}, "negligible": dict(self.negligible)}
 
 
@@ -70,7 +69,7 @@ class Judgement:
         comes first. ``wrong beside``: the first is right, but a stranger stands beside it. ``no answer``: an
         error, or past the time limit.
     first_right
-        Whether what comes first is right, whatever stands beside it.
+        True if what comes first is right, whatever stands beside it.
     strangers
         What was named and should not have been.
     """
@@ -81,7 +80,6 @@ class Judgement:
 
     @property
     def confident_and_wrong(self) -> bool:
-        """True if something was named wrongly with a presence above one half."""
         return self.outcome in (WRONG, WRONG_BESIDE)
 
 
@@ -115,17 +113,7 @@ def read_known(folder: Path, effects: Sequence[str]) -> dict[str, KnownTruth]:
 
     Either one ``truth.json`` beside them, a mapping of their names to what is known, or one in each of them.
 
-    Parameters
-    ----------
-    folder
-        The folder of folders.
-    effects
-        Names of all effects, against which those in the files are checked.
-
-    Raises
-    ------
-    UserError
-        With all faults of all files.
+    Raises UserError with all faults of all files.
     """
     faults: list[Fault] = []
     beside = folder / "truth.json"

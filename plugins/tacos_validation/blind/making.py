@@ -25,7 +25,6 @@ Batch = Sequence[Wanted]
 
 
 def name_of(each: Wanted) -> str:
-    """Its name, which is that of its folder."""
     return each.case if isinstance(each, CaseSpecification) else each.name
 
 
@@ -36,12 +35,7 @@ def made_ahead(
 
     The next batch is made while the caller solves the one it was given, but for cases that are timed.
 
-    Parameters
-    ----------
-    results
-        The folder of the run.
-    makers
-        Processes of the generator.
+    `makers`: processes of the generator.
     """
     out = results.folder
     shutil.rmtree(out / MADE, ignore_errors=True)  # what a broken run left

@@ -147,7 +147,6 @@ def _failure(case: Case) -> tuple[str, ...]:
 
 
 def _said(case: Case) -> str:
-    """The verdict and the causes with how sure each is; or the error."""
     if case.failed:
         return str(case.answer["error"])
     causes = ", ".join(f"{each['effect']} ({sureness(each):.0%})" for each in case.answer["causes"])

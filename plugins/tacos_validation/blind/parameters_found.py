@@ -29,14 +29,8 @@ OWN_SCALE = frozenset({"denoise"})
 class ParameterFound:
     """A parameter as it was withheld and as it was found.
 
-    Parameters
-    ----------
-    true, found
-        Both values, in the parameter's unit.
-    neutral
-        The value at which the effect is off.
-    interval
-        The answer's, of 90 %; None where it gives none.
+    `neutral`: the value at which the effect is off. `interval`: the answer's, of 90 %; None where it gives
+    none.
     """
 
     effect: str
@@ -60,7 +54,6 @@ class ParameterFound:
 
     @property
     def holds(self) -> bool | None:
-        """True if the interval holds the truth."""
         return None if self.interval is None else self.interval[0] <= self.true <= self.interval[1]
 
     @property

@@ -70,13 +70,7 @@ SEEN_BESIDE_BLUR = ("jpeg", "sharpening", "tone-curve", "denoise")
 
 
 def real_cases(data: Path) -> Iterator[RealCase]:
-    """All cases for which the data are there.
-
-    Parameters
-    ----------
-    data
-        The folder ``real`` of the shared data.
-    """
+    """All cases for which the data are there. `data`: the folder ``real`` of the shared data."""
     if (boards := data / "opencv_boards").is_dir():
         files = sorted(boards.glob("left*.jpg"))
         for name, chosen in (("all", files), ("first half", files[:7]), ("second half", files[6:])):

@@ -15,22 +15,13 @@ from tacos_validation.blind.judgement import KnownTruth, read_known
 
 @dataclass(frozen=True)
 class RealCase:
-    """A real case.
-
-    Parameters
-    ----------
-    known
-        What is known of it.
-    write
-        Writes the folder of captures below the one it is given.
-    """
+    """A real case."""
 
     name: str
     known: KnownTruth
     write: Callable[[Path], None]
 
     def truth(self) -> dict[str, Any]:
-        """The committed truth."""
         return {
             "specification": {
                 "tier": "T5",
@@ -48,10 +39,7 @@ class RealCase:
 def real_folders(folder: Path, effects: Sequence[str]) -> list[RealCase]:
     """The cases of a folder of folders of captures; see `read_known` for how their truth is told.
 
-    Raises
-    ------
-    UserError
-        When a ``truth.json`` cannot be used.
+    Raises UserError when a ``truth.json`` cannot be used.
     """
     return [
         RealCase(f"{folder.name}, {name}", known, partial(_copied, source=folder / name))

@@ -9,11 +9,5 @@ CASES, COMMITMENTS = "cases.jsonl", "commitments.jsonl"
 
 
 def kept_cases(results: Results) -> list[Case]:
-    """Cases of a broken run.
-
-    Raises
-    ------
-    UserError
-        When a line is damaged.
-    """
+    """Cases of a broken run. Raises UserError when a line is damaged."""
     return [Case.of(data) for data in results.read_lines(CASES)]

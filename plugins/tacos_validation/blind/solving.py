@@ -23,18 +23,8 @@ Effects = Mapping[str, type[Any]]
 class Diagnosing:
     """Diagnose a folder.
 
-    Parameters
-    ----------
-    case
-        Name of the case.
-    folder
-        Its captures; there is nothing else in it.
-    removed
-        Effects that the catalogue lacks this time.
-    baselines
-        Whether simpler ways are tried as well.
-    threads
-        Threads of the diagnosis.
+    `removed`: effects that the catalogue lacks this time. `baselines`: whether simpler ways are tried as
+    well.
     """
 
     case: str
@@ -44,7 +34,6 @@ class Diagnosing:
     threads: int = 1
 
     def work(self, effects: Effects) -> dict[str, Any]:
-        """The answer, as plain data."""
         known = {name: cls for name, cls in effects.items() if name not in self.removed}
         began = time.monotonic()
         folder = read_captures(self.folder)
@@ -66,16 +55,8 @@ class Diagnosing:
 class FreshGaps:
     """See how an answer fares on captures that were kept back, and how the truth would.
 
-    Parameters
-    ----------
-    case
-        Name of the case.
-    folder
-        Fresh captures of the same camera.
-    found
-        The answer's effects with their settings.
-    truth
-        What was withheld; empty where the catalogue has no parameters for it.
+    `found`: the answer's effects with their settings. `truth`: what was withheld; empty where the catalogue
+    has no parameters for it.
     """
 
     case: str
@@ -105,10 +86,7 @@ def _term(described: Mapping[str, Any], effects: Effects) -> HypothesisTerm:
 class Worker:
     """Does jobs with the catalogue of effects; an error is an answer too, and a wrong one.
 
-    Parameters
-    ----------
-    limit_s
-        Longest processor time for a job; past it there is no answer. None for any [s].
+    `limit_s`: longest processor time for a job; past it there is no answer. None for any [s].
     """
 
     effects: Effects
@@ -126,5 +104,4 @@ class Worker:
             return {"error": f"{type(error).__name__}: {error} ({Path(last.filename).name}:{last.lineno})"}
 
     def lost(self, job: Diagnosing | FreshGaps, reason: str) -> dict[str, Any]:
-        """The outcome of a job whose worker died."""
         return {"error": reason}

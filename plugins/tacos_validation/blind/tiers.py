@@ -52,14 +52,7 @@ def case_specifications(
 ) -> list[CaseSpecification]:
     """All cases, in random order and with random names, so that neither tells what is in them.
 
-    Parameters
-    ----------
-    seed
-        Draws names, seeds and order.
-    size_px
-        Width and height of the files.
-    full_set
-        Captures of the tiers that have all of them.
+    `full_set`: captures of the tiers that have all of them.
     """
     rng = np.random.default_rng([seed, 1])
     drafts = list(_drafts(counts, rng, full_set))

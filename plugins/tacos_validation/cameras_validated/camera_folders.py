@@ -19,15 +19,8 @@ Read = Callable[[Path], CaptureFolder]
 def camera_folders(folder: str | Path, *, patched: bool = False) -> dict[str, Path]:
     """The folders of captures in a folder, by name; each is a camera.
 
-    Parameters
-    ----------
-    patched
-        Whether each must hold a ``patched.yaml``.
-
-    Raises
-    ------
-    UserError
-        When there are fewer than two, or a patch is missing.
+    `patched`: true if each must hold a ``patched.yaml``. Raises UserError when there are fewer than two, or a
+    patch is missing.
     """
     path = Path(folder)
     if not path.is_dir():
@@ -52,13 +45,7 @@ def camera_folders(folder: str | Path, *, patched: bool = False) -> dict[str, Pa
 
 
 def read_cameras(folders: dict[str, Path], plugins: Plugins) -> dict[str, CaptureFolder]:
-    """The captures of every camera.
-
-    Raises
-    ------
-    UserError
-        With the faults of all of them.
-    """
+    """The captures of every camera. Raises UserError with the faults of all of them."""
     cameras, faults = {}, list[Fault]()
     render = recipe_renderer(plugins)
     for name, path in folders.items():

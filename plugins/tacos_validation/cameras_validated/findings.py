@@ -23,16 +23,7 @@ from tacos_validation.cameras_validated.ranking import (
 class CamerasFindings:
     """Cameras in reality and in simulation.
 
-    Parameters
-    ----------
-    patches
-        What was added to the simulation of each camera.
-    scores
-        Every score that all cameras have; those that a fitness counts first.
-    noise
-        Noise over signal of each camera that told it.
-    left_out
-        What could not be compared, and why, in sentences.
+    `scores`: every score that all cameras have; those that a fitness counts first.
     """
 
     patches: Mapping[str, CameraPatch]
@@ -50,7 +41,6 @@ class CamerasFindings:
         }
 
     def as_data(self) -> dict[str, Any]:
-        """For ``result.json``."""
         return {
             "cameras": {
                 name: {"verdict": patch.verdict, "causes": list(patch.names)}

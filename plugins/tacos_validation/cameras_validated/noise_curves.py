@@ -25,13 +25,8 @@ KINDS = ("dark", "flat", "bracket", "chart", "scene")
 class NoiseCurve:
     """Noise of one camera over its signal.
 
-    Parameters
-    ----------
-    levels
-        For each stack what was measured, level by level.
-    slope
-        For each stack the slope of variance over signal with its 95 % interval; None where no line fits
-        [DN].
+    `levels`: for each stack what was measured, level by level. `slope`: for each stack the slope of variance
+    over signal with its 95 % interval; None where no line fits [DN].
     """
 
     levels: Mapping[str, Levels]
@@ -45,7 +40,6 @@ class NoiseCurve:
         return float(np.median(np.abs(at / np.maximum(real.variance_dn2[used], 1e-9) - 1)))
 
     def as_data(self) -> dict[str, Any]:
-        """For ``result.json``."""
         stacks = {}
         for name, levels in self.levels.items():
             slope = self.slope[name]
@@ -63,12 +57,7 @@ def noise_curve(
 ) -> NoiseCurve | None:
     """Measure what a camera's captures tell; None where none was taken twice at one gain.
 
-    Parameters
-    ----------
-    captures
-        Of one camera; those of the gain that most have are used, of colour the green.
-    seed
-        Seeds the simulation's noise.
+    `captures`: of one camera; those of the gain that most have are used, of colour the green.
     """
     usable = [c for c in captures if c.kind in KINDS and c.frames >= FRAMES and c.expected_dn is not None]
     if not usable:

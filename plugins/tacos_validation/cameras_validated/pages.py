@@ -30,7 +30,6 @@ Samples = Mapping[str, tuple[NDArray[np.uint8], ...]]
 
 
 def title(findings: CamerasFindings) -> str:
-    """The finding in a sentence."""
     if not findings.scores:
         return "No score of a task could be compared over these cameras"
     first = findings.scores[0]
@@ -47,7 +46,6 @@ def title(findings: CamerasFindings) -> str:
 
 
 def summary(findings: CamerasFindings) -> str:
-    """The finding in a few lines."""
     lines = [f"{title(findings)}."]
     for scores in findings.scores:
         found = findings.agreements[scores.score]
@@ -68,7 +66,6 @@ def shown(found: RankFinding) -> str:
 
 
 def page(findings: CamerasFindings, samples: Samples) -> Page:
-    """The page."""
     named = ", ".join(findings.patches)
     return Page(
         eyebrow="Validation of real cameras",

@@ -22,16 +22,8 @@ from tacos_plugins.building import part_of
 class CameraPatch:
     """Effects added to the simulation of a camera.
 
-    Parameters
-    ----------
-    effects
-        As a recipe places them.
-    verdict
-        Of the diagnosis; ``given`` where there was none.
-    text
-        ``patched.yaml``.
-    diagnosis
-        ``diagnosis.json``; empty where there was none.
+    `verdict`: of the diagnosis; ``given`` where there was none. `diagnosis`: ``diagnosis.json``; empty where
+    there was none.
     """
 
     effects: tuple[PlacedEffect, ...]
@@ -58,10 +50,7 @@ def diagnosed_patch(
 def given_patch(path: Path, plugins: Plugins) -> CameraPatch:
     """The effects of a ``patched.yaml``.
 
-    Raises
-    ------
-    UserError
-        When it is no list of effects, or one of them is not there or has wrong settings.
+    Raises UserError when it is no list of effects, or one of them is not there or has wrong settings.
     """
     document = read_yaml(path)
     listed = document.data.get("effects") if isinstance(document.data, dict) else document.data

@@ -30,14 +30,10 @@ class CameraScores:
 
     Parameters
     ----------
-    score
-        Its name, ``node.score``.
     cameras, scenes
         Names of both; where cameras share no capture, each has one scene of its own, the mean over all.
     means, errors
         For each stack (cameras, scenes) the score and its standard error over the noise.
-    lower_is_better
-        Whether the score is an error.
     """
 
     score: str
@@ -60,7 +56,6 @@ class CameraScores:
         return np.take_along_axis(value, scenes[:, None, :], axis=2).mean(axis=2)
 
     def order(self, stack: str) -> list[str]:
-        """The cameras, the best first."""
         sign = 1.0 if self.lower_is_better else -1.0
         ranked = np.argsort(sign * self.means[stack].mean(axis=1), kind="stable")
         return [self.cameras[i] for i in ranked]
@@ -83,7 +78,6 @@ class RankFinding:
     agreement: Agreement
 
     def as_data(self) -> dict[str, Any]:
-        """For ``result.json``."""
         over = self.agreement.tau
         return {"tau": self.tau, "ci": [over.low, over.high], "same_order": self.agreement.same}
 
@@ -91,13 +85,7 @@ class RankFinding:
 def camera_scores(
     score: str, scored: Mapping[str, Sequence[CaptureScores]], *, lower_is_better: bool = False
 ) -> CameraScores | None:
-    """A score of every camera on the scenes all of them have it for; None where a camera never has it.
-
-    Parameters
-    ----------
-    scored
-        Scores of each camera's captures.
-    """
+    """A score of every camera on the scenes all of them have it for; None where a camera never has it."""
     having = {
         camera: {c.capture: c for c in captures if all(len(c.values(stack, score)) for stack in STACKS)}
         for camera, captures in scored.items()
@@ -145,5 +133,4 @@ def level(scores: CameraScores, stack: str, camera: int, seed: int) -> OverSeeds
 
 
 def as_data(found: OverSeeds) -> dict[str, float]:
-    """For ``result.json``."""
     return asdict(found)

@@ -48,8 +48,6 @@ class ValidateCameras:
     """
 
     class Config(Settings):
-        """Settings of the procedure."""
-
         captures: str = setting(
             "captures", help="Folder with a folder of captures for each camera.", min_length=1, is_path=True
         )
@@ -69,7 +67,6 @@ class ValidateCameras:
         self.config = config
 
     def check(self, *, plugins: Plugins) -> None:
-        """Look for faults in every folder, the recipe and the effects."""
         check_all(
             partial(self._check_folders, plugins),
             lambda: self._tasks(plugins),
@@ -77,7 +74,6 @@ class ValidateCameras:
         )
 
     def run(self, *, out: Path, seed: int, plugins: Plugins, progress: Progress) -> Mapping[str, Any]:
-        """Validate; leaves ``report.html`` and a folder for each camera."""
         tasks = self._tasks(plugins)
         considered = candidates(plugins, self.config.without)
         progress.phase("Reading captures", None)

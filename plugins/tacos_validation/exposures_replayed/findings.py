@@ -44,7 +44,6 @@ class ReplayedExposure:
         return abs(self.predicted - self.real) <= tolerance(self.real)
 
     def as_data(self) -> dict[str, Any]:
-        """For ``result.json``."""
         interval = None if self.interval is None else list(self.interval)
         return {
             "ms": self.ms,
@@ -63,7 +62,6 @@ class SourceFindings:
 
     @property
     def answered(self) -> tuple[ReplayedExposure, ...]:
-        """Those that are not refused."""
         return tuple(each for each in self.exposures if each.predicted is not None)
 
     @property
@@ -86,10 +84,7 @@ def replayed(
     Its interval holds the scatter of neighbouring pairs, and what it changed to double what the source
     lacks; where all lacks together change more than the tolerance the exposure is refused.
 
-    Parameters
-    ----------
-    worse
-        Mean inliers with a lack doubled, by its name.
+    `worse`: mean inliers with a lack doubled, by its name.
     """
     predicted = float(pairs.mean())
     changes = {name: abs(value - predicted) for name, value in worse.items()}

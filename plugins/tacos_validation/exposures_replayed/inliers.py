@@ -36,10 +36,7 @@ def inliers_of_pairs(
 ) -> NDArray[np.float64]:
     """(N - 1,) inliers of one fundamental matrix for each pair of consecutive (H, W) frames.
 
-    Parameters
-    ----------
-    conversion
-        OpenCV's code from the mosaic to grey; None where there is no mosaic.
+    `conversion`: OpenCV's code from the mosaic to grey; None where there is no mosaic.
     """
     finds = DETECTORS[detector](features)
     found = []

@@ -17,7 +17,6 @@ _LEAD = (
 
 
 def page(sources: Mapping[str, SourceFindings], notes: tuple[str, ...]) -> Page:
-    """The page, a section for each source."""
     sections = [
         Section("What was measured", tuple(Paragraph(note) for note in notes)),
         *(Section(f"From {name} ms", _blocks(name, found)) for name, found in sources.items()),
@@ -26,7 +25,6 @@ def page(sources: Mapping[str, SourceFindings], notes: tuple[str, ...]) -> Page:
 
 
 def summary(sources: Mapping[str, SourceFindings]) -> str:
-    """A line for each source."""
     lines = []
     for name, found in sources.items():
         refused = len(found.exposures) - len(found.answered)

@@ -41,8 +41,6 @@ class ReplayExposures:
     """
 
     class Config(Settings):
-        """Settings of the procedure."""
-
         recording: str = setting("recording", help="Folder of the frames.", min_length=1, is_path=True)
         mosaic: Literal["auto", "RG", "GR", "BG", "GB", "none"] = setting(
             "auto",
@@ -62,11 +60,9 @@ class ReplayExposures:
         self.config = config
 
     def check(self) -> None:
-        """Read the recording and say what is wrong with it."""
         self._sources(read_recording(self.config.recording))
 
     def run(self, *, out: Path, seed: int, progress: Progress) -> Mapping[str, Any]:
-        """Replay; leaves ``report.html``."""
         recording = read_recording(self.config.recording)
         mosaic = self.config.mosaic
         if mosaic == "auto":
@@ -121,13 +117,7 @@ class ReplayExposures:
         }
 
     def _sources(self, recording: Recording) -> list[str]:
-        """Names of the exposures to replay from.
-
-        Raises
-        ------
-        UserError
-            When one is not in the recording.
-        """
+        """Names of the exposures to replay from. Raises UserError when one is not in the recording."""
         name_of = {frames.exposure_ms: name for name, frames in recording.exposures.items()}
         wanted = self.config.sources_ms or tuple(name_of)
         faults = [

@@ -36,8 +36,6 @@ class CheckGpu:
     """
 
     class Config(Settings):
-        """Settings of the check."""
-
         recipe: str = setting(
             "headset_quick",
             help="The recipe that is rendered and timed: a path, or the name of a shipped one.",
@@ -50,11 +48,9 @@ class CheckGpu:
         self.config = config
 
     def check(self, *, plugins: Plugins) -> None:
-        """Raises a `UserError` with whatever its recipe cannot be run for."""
         self._plan(plugins)
 
     def run(self, *, plugins: Plugins, executor: Executor, progress: Progress) -> Mapping[str, Any]:
-        """See `tacos_framework.contracts.Procedure`."""
         plan = self._plan(plugins)
         values = _middle(plan)
         progress.phase("Rendering on both", 2)
@@ -120,7 +116,6 @@ def _middle(plan: Plan) -> dict[str, Any]:
 
 
 def _summary(result: Mapping[str, Any]) -> str:
-    """Result in a few lines."""
     rates = result["frames_per_s"]
     device = result["renderer"]
     lines = [

@@ -23,16 +23,8 @@ LUMINANCE_TOLERANCE = 0.02
 class Pictures:
     """Pictures of one device.
 
-    Parameters
-    ----------
-    renderer
-        What OpenGL calls itself.
-    is_software
-        Whether a processor does the work.
-    luminance_cd_m2, depth_m, object_id
-        (N, H, W, 3), (N, H, W) and (N, H, W) of the first camera [cd/m2, m, 1].
-    frames_per_s
-        Frames by the clock, the first left out, for which the world is lit [1/s].
+    `luminance_cd_m2`, `depth_m`, `object_id`: (N, H, W, 3), (N, H, W) and (N, H, W) of the first camera
+    [cd/m2, m, 1]. `frames_per_s`: frames by the clock, the first left out, for which the world is lit [1/s].
     """
 
     renderer: str
@@ -47,11 +39,8 @@ class Pictures:
 class Difference:
     """Difference of two devices' pictures.
 
-    Parameters
-    ----------
-    ids, depth, luminance
-        Share of the pixels at which they differ: other ids; depth by more than 0.1 % where ids are the same;
-        luminance by more than `LUMINANCE_TOLERANCE` [1].
+    `ids`, `depth`, `luminance`: share of the pixels at which they differ: other ids; depth by more than 0.1 %
+    where ids are the same; luminance by more than `LUMINANCE_TOLERANCE` [1].
     """
 
     ids: float

@@ -21,14 +21,7 @@ _MOST_FAULTS = 20
 class MeasuredCamera:
     """Variance ``a x + b`` of one camera, x as a share of full scale.
 
-    Parameters
-    ----------
-    name
-        Maker and model.
-    gains
-        (N,) linear gains, as ISO values [1].
-    slopes, intercepts
-        (N,) a and b [1].
+    `gains`: (N,) linear gains, as ISO values [1]. `slopes`, `intercepts`: (N,) a and b [1].
     """
 
     name: str
@@ -48,10 +41,8 @@ class MeasuredCamera:
 def read_gain_table(path: Path) -> list[MeasuredCamera]:
     """Cameras of a CSV file with the columns maker, model, iso, a and b, in the order of the file.
 
-    Raises
-    ------
-    UserError
-        With all faults of the file: missing columns, values that are no numbers, gains not above 0.
+    Raises UserError with all faults of the file: missing columns, values that are no numbers, gains not above
+    0.
     """
     (_, heading), *lines = read_csv(path) or [(1, [])]
     missing = [name for name in COLUMNS if name not in heading]

@@ -35,10 +35,7 @@ TITLES = {
 class LeftOut:
     """One setting that was left out: its measured noise and the prediction of each model.
 
-    Parameters
-    ----------
-    slope, intercept
-        Measured a and b over full scale [1].
+    `slope`, `intercept`: measured a and b over full scale [1].
     """
 
     slope: float
@@ -64,8 +61,6 @@ class NoiseOverGainCheck:
     """
 
     class Config(Settings):
-        """Settings of the procedure."""
-
         data: str = setting(
             "", help="CSV file with the columns maker, model, iso, a, b: variance = a x + b.", is_path=True
         )
@@ -74,7 +69,6 @@ class NoiseOverGainCheck:
         self.config = config
 
     def run(self, *, out: Path, seed: int, plugins: Plugins, progress: Progress) -> Mapping[str, Any]:
-        """Predict every gain; leaves ``report.html``."""
         if not self.config.data:
             raise UserError(
                 Fault(

@@ -49,12 +49,7 @@ class CheckedCamera(SimulatedCamera):
 class Checked:
     """Frames of one setting: what was predicted and what they show.
 
-    Parameters
-    ----------
-    measured
-        Noise of each channel.
-    predicted
-        For each channel slope and intercept [DN, DN^2].
+    `predicted`: for each channel slope and intercept [DN, DN^2].
     """
 
     setting: CameraSetting
@@ -74,7 +69,6 @@ class Checked:
         return float(np.median(np.abs(measured.levels.variance_dn2[used] / predicted - 1)))
 
     def as_data(self) -> dict[str, Any]:
-        """For ``result.json``."""
         channels = {}
         for i, measured in enumerate(self.measured):
             photon_dn, thermal_dn2 = self.predicted[i]
@@ -102,8 +96,6 @@ class ValidateNoise:
     """
 
     class Config(Settings):
-        """Settings of the procedure."""
-
         bench: NoiseBench = setting(NoiseBench(), help="Target, light and number of frames.")
         cameras: tuple[CheckedCamera, ...] = setting(help="What is checked.", min_length=1)
         levels: int = setting(
@@ -114,7 +106,6 @@ class ValidateNoise:
         self.config = config
 
     def run(self, *, out: Path, seed: int, plugins: Plugins, progress: Progress) -> Mapping[str, Any]:
-        """Check every camera; leaves ``report.html``."""
         cameras = self.config.cameras
         progress.phase("taking frames", sum(len(camera.settings) for camera in cameras))
         found = {}
@@ -165,7 +156,6 @@ class ValidateNoise:
 
 
 def _finding(title: str, checked: Sequence[Checked]) -> str:
-    """Distance of slopes and variances from the prediction, in a line."""
     slopes = [
         m.fit.photon_dn / photon - 1
         for c in checked

@@ -46,7 +46,6 @@ class CompareOptimizers:
     def run(
         self, *, out: Path, seed: int, plugins: Plugins, executor: Executor, progress: Progress, resume: bool
     ) -> Mapping[str, Any]:
-        """Compare them; leaves ``report.html``, ``curves.csv`` and ``standings.csv``."""
         contenders = contenders_of(self.config, plugins)
         plan = contenders.problem
         coarse = admissible(plan, self.config.reference)

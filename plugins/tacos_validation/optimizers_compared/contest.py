@@ -70,16 +70,8 @@ class Run:
     An optimizer without a say in it, or that has not been asked yet, stands for the candidate of the best
     mean fitness so far, which it may have found in the middle of a round.
 
-    Parameters
-    ----------
-    search
-        The search, as in a study.
-    checkpoints
-        In rising order; the last is the budget [images].
-    target_rounds
-        The round after which `after_rounds` is noted.
-    on_checkpoint
-        Called with a short note as each checkpoint is passed.
+    `checkpoints`: in rising order; the last is the budget [images]. `target_rounds`: the round after which
+    `after_rounds` is noted.
     """
 
     optimizer_name: str
@@ -101,10 +93,7 @@ class Run:
     def go(self, source: FromTable, evaluate: Evaluator) -> None:
         """Search until the budget is spent or the optimizer has stopped.
 
-        Raises
-        ------
-        KeepsFailing
-            When candidates fail one after the other by the same defect of a component.
+        Raises KeepsFailing when candidates fail one after the other by the same defect of a component.
         """
         idle = 0
         while not self.stopped:

@@ -63,10 +63,7 @@ class Stepped(Continuous):
 def on_grid(space: DesignSpace, steps: Mapping[str, float]) -> DesignSpace:
     """The space with every variable between bounds in steps.
 
-    Raises
-    ------
-    UserError
-        When a variable has no step, or a step no variable; all at once.
+    Raises UserError when a variable has no step, or a step no variable; all at once.
     """
     continuous = {each.name: each for each in space.variables if type(each) is Continuous}
     faults = [
@@ -98,12 +95,7 @@ def on_grid(space: DesignSpace, steps: Mapping[str, float]) -> DesignSpace:
 def coarse_grid(space: DesignSpace, steps: Mapping[str, float]) -> Iterator[Candidate]:
     """Every value of every choice at every point of a coarser grid, which starts at the lower bounds.
 
-    Parameters
-    ----------
-    space
-        On the fine grid.
-    steps
-        The coarse step of each variable between bounds; four fine ones where absent.
+    `steps`: the coarse step of each variable between bounds; four fine ones where absent.
     """
     for values in product(*(_coarse_values(variable, steps) for variable in space.variables)):
         given = dict(zip(space.names, values, strict=True))
@@ -118,12 +110,7 @@ def count_coarse(space: DesignSpace, steps: Mapping[str, float]) -> int:
 def neighbours(space: DesignSpace, candidate: Candidate, strides: Mapping[str, int]) -> list[Candidate]:
     """The candidates one stride up or down from one, in each variable between bounds by itself.
 
-    Parameters
-    ----------
-    candidate
-        A point of it.
-    strides
-        Steps of the fine grid in one stride of each variable.
+    `strides`: steps of the fine grid in one stride of each variable.
     """
     found = {}
     for variable in space.variables:

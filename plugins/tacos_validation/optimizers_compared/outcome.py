@@ -24,16 +24,8 @@ class Comparison:
         The median of that quality on the held-out scenes.
     target_images
         Images those runs had rendered for it, in the median.
-    best_known, best_camera
-        The best fitness on the held-out scenes, and the camera that has it.
-    held_out
-        How many such scenes there are.
-    runs, standings
-        What each run and each optimizer achieved.
     rendered
         Images rendered in all, as runs share a table.
-    notes
-        What a reader should know.
     """
 
     problem: str

@@ -21,7 +21,6 @@ COLOURS = 7
 
 
 def summary(comparison: Comparison) -> str:
-    """The finding in a few lines."""
     lines = [_finding(comparison)]
     for each in comparison.standings:
         last = max(each.regret)
@@ -33,7 +32,6 @@ def summary(comparison: Comparison) -> str:
 
 
 def page(comparison: Comparison) -> Page:
-    """The page."""
     runs = max(each.runs for each in comparison.standings)
     curve = partial(_regret_curve, comparison)
     caption = "Bands are quartiles. Dashed: the target. Dotted: a tenth of its images."

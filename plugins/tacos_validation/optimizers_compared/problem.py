@@ -15,15 +15,7 @@ from tacos_validation.optimizers_compared.settings import CompareOptimizersConfi
 
 @dataclass(frozen=True)
 class Contenders:
-    """The problem with each of the optimizers.
-
-    Parameters
-    ----------
-    plans
-        By name of the optimizer; equal but for it.
-    notes
-        Which were left out, and why.
-    """
+    """The problem with each of the optimizers. `plans`: by name of the optimizer; equal but for it."""
 
     plans: Mapping[str, Plan]
     notes: tuple[str, ...]
@@ -37,10 +29,8 @@ class Contenders:
 def contenders_of(config: CompareOptimizersConfig, plugins: Plugins) -> Contenders:
     """The problem, checked, with each optimizer in turn.
 
-    Raises
-    ------
-    UserError
-        With everything that is wrong with the problem, its grid or any optimizer that is not optional.
+    Raises UserError with everything that is wrong with the problem, its grid or any optimizer that is not
+    optional.
     """
     loaded = load_recipe(config.problem, dict(config.change))
     if not isinstance(loaded, Recipe):

@@ -17,10 +17,7 @@ from tacos_validation.score_table import ScoreTable
 def admissible(plan: Plan, asked: ReferenceSearch) -> list[Candidate]:
     """The cameras of the coarse grid that break no constraint.
 
-    Raises
-    ------
-    UserError
-        When there are too many, or none.
+    Raises UserError when there are too many, or none.
     """
     count = count_coarse(plan.space, asked.coarse)
     if count > asked.most:
@@ -59,10 +56,7 @@ def climb(
     of parts then climb on all of them: to the best neighbour while there is a better one, in strides that
     are halved down to the fine grid.
 
-    Raises
-    ------
-    UserError
-        When nothing on the coarse grid can be scored.
+    Raises UserError when nothing on the coarse grid can be scored.
     """
     first = specs[: asked.scenes]
     table.fill([(each.as_dict(), spec) for each in coarse for spec in first], on_row)

@@ -75,7 +75,7 @@ class Ratio:
         Median images to the target of the other, over the median of this one; None where this one never
         reaches it.
     at_least
-        Whether the other never reached it either, so that its whole budget stands for them.
+        True if the other never reached it either, so that its whole budget stands for them.
     """
 
     value: float | None
@@ -124,8 +124,6 @@ def standings(
     ----------
     target
         Fitness on the held-out scenes that is to be reached.
-    best_known
-        The best fitness there.
     against
         The images that ratios are taken of, by name; infinite where the target was not reached.
     budgets

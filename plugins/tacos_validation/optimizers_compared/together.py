@@ -25,10 +25,7 @@ class FilledTogether:
     The order in which members ask is not known, but what a table holds does not depend on it. Members wait in
     threads of their own; the table is filled in the thread that calls `serve`.
 
-    Parameters
-    ----------
-    members
-        How many fill it; each `leave` in the end.
+    `members`: how many fill it; each `leave` in the end.
     """
 
     def __init__(self, table: ScoreTable, members: int) -> None:
@@ -43,10 +40,7 @@ class FilledTogether:
     def fill(self, wanted: Iterable[Wanted]) -> None:
         """Return once all that is wanted stands in the table.
 
-        Raises
-        ------
-        GivenUp
-            When filling it has failed, or a member has given up.
+        Raises GivenUp when filling it has failed, or a member has given up.
         """
         with self._changed:
             if lacking := self._table.lacking(wanted):
@@ -96,15 +90,6 @@ def together(members: Sequence[Member], go: Callable[[Member], None], table: Fil
 
     The table is filled in this thread, which Ctrl-C interrupts: a batch in work is left at once, what had
     come of it stays, and the members end as soon as they would ask for more.
-
-    Parameters
-    ----------
-    members
-        As many as `table` was told.
-    go
-        What each does; it fills `table` as it needs.
-    table
-        Where they wait for one another.
     """
 
     def gone(member: Member) -> None:

@@ -16,12 +16,8 @@ FitnessOn = Callable[[str, Sequence[int]], float | None]
 class Agreement:
     """Agreement of two orders.
 
-    Parameters
-    ----------
-    tau
-        Kendall's tau-b; None where one of the orders has all cameras equal.
-    interval
-        Its bootstrap interval over scenes; None where that cannot be told.
+    `tau`: Kendall's tau-b; None where one of the orders has all cameras equal. `interval`: its bootstrap
+    interval over scenes; None where that cannot be told.
     """
 
     tau: float | None
@@ -73,14 +69,8 @@ def agreement(
     Both studies see the same draw of scenes each time: how sure the agreement is depends on which scenes were
     seen, not on how well one study knows a scene that the other has not seen.
 
-    Parameters
-    ----------
-    cameras
-        Names of those that have a place in both.
-    scenes
-        How many there are. With one alone there is no interval.
-    resamples, confidence
-        Draws of scenes, and the share of them that the interval holds.
+    `scenes`: how many there are. With one alone there is no interval. `resamples`, `confidence`: draws of
+    scenes, and the share of them that the interval holds.
     """
     tau = _tau_on(range(scenes), cameras, first, second)
     if tau is None or scenes < 2:
@@ -101,12 +91,7 @@ def agreement_of_halves(
     What two studies on the same scenes share, the luck of the scenes, is in their tau; it is not in this one.
     A half is less than the study, so this says too little rather than too much. None below two scenes.
 
-    Parameters
-    ----------
-    cameras
-        Names of those that have a place.
-    scenes
-        How many there are; of an odd number one is left out of each draw.
+    `scenes`: how many there are; of an odd number one is left out of each draw.
     """
     half = scenes // 2
     if half == 0:

@@ -18,12 +18,7 @@ from tacos_validation.rank_agreement.settings import RankedCameras
 class RankedCamera:
     """A camera to rank.
 
-    Parameters
-    ----------
-    name
-        What tables call it.
-    values
-        Plain values of the study's design variables, and of what else a product fixes of the rig.
+    `values`: plain values of the study's design variables, and of what else a product fixes of the rig.
     """
 
     name: str
@@ -33,10 +28,7 @@ class RankedCamera:
 def cameras_of(asked: RankedCameras, plan: Plan) -> tuple[RankedCamera, ...]:
     """The cameras, with a value for every variable that the study designs.
 
-    Raises
-    ------
-    UserError
-        With everything that is wrong with any of them.
+    Raises UserError with everything that is wrong with any of them.
     """
     faults: list[Fault] = []
     cameras: list[RankedCamera] = []
@@ -101,10 +93,7 @@ def _of_part(name: str, asked: RankedCameras, plan: Plan) -> Mapping[str, Any]:
 def solved_for(variable: str, quantity: str, wanted: float, values: Mapping[str, Any], plan: Plan) -> float:
     """The value of a variable, within its bounds, at which the rig derives what is wanted.
 
-    Raises
-    ------
-    UserError
-        When there is no such variable or quantity, or it is not met between the bounds.
+    Raises UserError when there is no such variable or quantity, or it is not met between the bounds.
     """
     from scipy.optimize import brentq
 

@@ -51,7 +51,6 @@ class RankAgreement:
     def run(
         self, *, out: Path, seed: int, plugins: Plugins, executor: Executor, progress: Progress, resume: bool
     ) -> Mapping[str, Any]:
-        """Rank them; leaves ``report.html`` and ``table.csv``."""
         plans = self._plans(plugins)
         cameras = cameras_of(self.config.cameras, next(iter(plans.values())))
         results = Results(out)

@@ -40,11 +40,9 @@ class RankedLight:
         return tuple(n for n in quick if quick[n].fitness is not None and full[n].fitness is not None)
 
     def fitness(self, size: str) -> dict[str, float]:
-        """The fitness of the ranked cameras."""
         return {name: float(self.evaluations[size][name].fitness or 0.0) for name in self.ranked}
 
     def places(self, size: str) -> dict[str, float]:
-        """The place of each ranked camera."""
         return places(self.fitness(size))
 
     def order(self, size: str) -> list[str]:
@@ -63,7 +61,6 @@ class RankedLight:
         )
 
     def left_out(self) -> list[dict[str, str]]:
-        """The cameras without a place, and why."""
         return [
             {"camera": name, "light": self.name, "study": size, "why": evaluation.failed or "no fitness"}
             for size in SIZES
@@ -74,21 +71,7 @@ class RankedLight:
 
 @dataclass(frozen=True)
 class RankOutcome:
-    """Everything the report tells.
-
-    Parameters
-    ----------
-    study
-        The recipe that was measured.
-    gate, fewest, confidence
-        As in the settings.
-    scenes
-        Scenes behind every figure.
-    lights
-        What came out in each light.
-    notes
-        What a reader should know.
-    """
+    """Everything the report tells. `scenes`: scenes behind every figure."""
 
     study: str
     gate: float
@@ -124,7 +107,6 @@ class RankOutcome:
 
     @property
     def passes(self) -> bool:
-        """True if the small study may stand for the big one."""
         return not self.doubts
 
     @property
@@ -144,7 +126,6 @@ class RankOutcome:
         )
 
     def as_data(self) -> dict[str, Any]:
-        """For ``result.json``."""
         intervals = {light.name: light.agreement.interval for light in self.lights}
         return {
             "study": self.study,

@@ -16,7 +16,6 @@ from tacos_validation.rank_agreement.outcome import SIZES, RankedLight, RankOutc
 
 
 def summary(outcome: RankOutcome) -> str:
-    """The finding in a few lines."""
     lines = [_finding(outcome)]
     for light in outcome.lights:
         lines.append(f"{light.name}: tau {_tau(light)}, {len(light.ranked)} cameras")
@@ -35,7 +34,6 @@ def table_csv(outcome: RankOutcome) -> str:
 
 
 def page(outcome: RankOutcome) -> Page:
-    """The page."""
     cost = outcome.cost()
     quick, full = (cost[size] for size in SIZES)
     left_out = tuple(_left_out(row) for light in outcome.lights for row in light.left_out())

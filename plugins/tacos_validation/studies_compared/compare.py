@@ -37,8 +37,6 @@ class CompareStudies:
     """
 
     class Config(Settings):
-        """Settings of the procedure."""
-
         study: str = setting(
             help="The recipe of the study: a path, or the name of a shipped one.", is_path=True
         )
@@ -68,7 +66,6 @@ class CompareStudies:
         self.config = config
 
     def check(self, *, plugins: Plugins) -> None:
-        """Look for faults in every study."""
         for _ in self._studies(plugins):
             pass
 
@@ -82,7 +79,6 @@ class CompareStudies:
         resume: bool,
         accept_changes: bool = False,
     ) -> Mapping[str, Any]:
-        """Run them; leaves ``report.html``, ``studies.csv`` and a folder for each study."""
         studies = list(self._studies(plugins))
         progress.phase("Running studies", len(studies))
         outcomes = []

@@ -50,7 +50,6 @@ class StudiesComparison:
 
     @property
     def variants(self) -> list[str]:
-        """Names, as the recipe lists them."""
         return list(dict.fromkeys(outcome.variant for outcome in self.outcomes))
 
     @property
@@ -64,11 +63,9 @@ class StudiesComparison:
         ]
 
     def of(self, variant: str) -> list[StudyOutcome]:
-        """The studies of a variant."""
         return [outcome for outcome in self.outcomes if outcome.variant == variant]
 
     def as_data(self) -> dict[str, Any]:
-        """For ``result.json``."""
         return {
             "study": self.study,
             "reference": self.reference,
@@ -78,7 +75,6 @@ class StudiesComparison:
 
 
 def summary(compared: StudiesComparison) -> str:
-    """The finding in a line for each variant."""
     return "\n".join(_sentence(each) for each in compared.differences if each.score == FITNESS)
 
 
@@ -90,7 +86,6 @@ def _sentence(found: VariantDifference) -> str:
 
 
 def page(compared: StudiesComparison) -> Page:
-    """The page."""
     seeds = sorted({outcome.seed for outcome in compared.outcomes})
     hours = sum(outcome.seconds for outcome in compared.outcomes) / 3600
     drawn = partial(_by_variant, compared)

@@ -13,17 +13,7 @@ FITNESS = "fitness"
 
 @dataclass(frozen=True, eq=False)
 class StudyOutcome:
-    """A study that was run.
-
-    Parameters
-    ----------
-    variant
-        Which of the variants.
-    scores
-        Scores and fitness of the designed camera on unseen scenes.
-    seconds
-        Time it took [s].
-    """
+    """A study that was run. `scores`: scores and fitness of the designed camera on unseen scenes."""
 
     variant: str
     seed: int
@@ -43,13 +33,6 @@ class Spread:
 
 
 def spread(values: Sequence[float]) -> Spread:
-    """Mean and standard error.
-
-    Examples
-    --------
-    >>> spread([1.0, 3.0])
-    Spread(mean=2.0, standard_error=1.0, seeds=2)
-    """
     error = statistics.stdev(values) / math.sqrt(len(values)) if len(values) > 1 else None
     return Spread(statistics.fmean(values), error, len(values))
 
@@ -58,10 +41,7 @@ def spread(values: Sequence[float]) -> Spread:
 class VariantDifference:
     """A variant against the reference on one score, each seed against its own twin.
 
-    Parameters
-    ----------
-    better
-        Seeds with the higher score.
+    `better`: seeds with the higher score.
     """
 
     variant: str

@@ -12,15 +12,7 @@ from tacos_validation.studies_table.settings import SummaryColumn, TableRow
 
 @dataclass(frozen=True, eq=False)
 class StudyRun:
-    """One run of one study.
-
-    Parameters
-    ----------
-    result
-        Its ``result.json``.
-    generations
-        The lines of its ``generations.jsonl``.
-    """
+    """One run of one study."""
 
     study: str
     seed: int
@@ -50,7 +42,7 @@ class SummaryCell:
     published
         What is published; None where nothing is.
     best
-        Whether no row has a better one.
+        True if no row has a better one.
     """
 
     values: tuple[float | str, ...]
@@ -66,13 +58,7 @@ class SummaryCell:
 
 @dataclass(frozen=True, eq=False)
 class RowResult:
-    """A row of the table.
-
-    Parameters
-    ----------
-    title
-        What it is called.
-    """
+    """A row of the table."""
 
     title: str
     cells: tuple[SummaryCell, ...]

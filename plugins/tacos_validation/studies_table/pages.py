@@ -33,7 +33,6 @@ class TableOutcome:
     notes: tuple[str, ...]
 
     def as_data(self) -> dict[str, Any]:
-        """For ``result.json``."""
         heads = [column.head for column in self.config.columns]
         return {
             "problem": self.config.problem,
@@ -65,12 +64,10 @@ class TableOutcome:
 
 
 def folder_of(study: str, seed: int) -> str:
-    """Folder of a run's results, inside the results folder."""
     return f"studies/{study}_{seed}"
 
 
 def page(outcome: TableOutcome) -> Page:
-    """The page."""
     config = outcome.config
     seeds = len({run.seed for run in outcome.runs})
     middle = (
@@ -94,7 +91,6 @@ def page(outcome: TableOutcome) -> Page:
 
 
 def summary(outcome: TableOutcome) -> str:
-    """The finding in a few lines."""
     lines = [_headline(outcome)]
     for row in outcome.rows:
         figures = (
@@ -122,7 +118,6 @@ def table_csv(outcome: TableOutcome) -> str:
 
 
 def shown(cell: SummaryCell, column: SummaryColumn) -> str:
-    """A figure as the table shows it."""
     if not cell.values:
         return "not known"
     if cell.middle is None:

@@ -49,7 +49,6 @@ class StudiesTable:
         self.config = config
 
     def check(self, *, plugins: Plugins) -> None:
-        """Look for faults in every study."""
         self.plan(plugins)
 
     def run(
@@ -62,7 +61,6 @@ class StudiesTable:
         resume: bool,
         accept_changes: bool = False,
     ) -> Mapping[str, Any]:
-        """Run them; leaves ``studies/``, ``report.html`` and ``table.csv``."""
         planned, notes = self.plan(plugins)
         runs = tuple(self._runs(planned, out, plugins, executor, progress, resume, accept_changes))
         rows = findings(self.config.rows, self.config.columns, runs)

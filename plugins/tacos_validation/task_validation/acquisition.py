@@ -55,14 +55,8 @@ def take(
     Light is rendered for the first exposure alone: nothing moves while the shutter is open, so the others
     differ in what the sensor makes of the light.
 
-    Parameters
-    ----------
-    seeds
-        Frames with noise of their own for every place and exposure.
-    names
-        What the noise is for, besides exposure, seed and place.
-    rendered
-        Called after each place.
+    `seeds`: frames with noise of their own for every place and exposure. `names`: what the noise is for,
+    besides exposure, seed and place.
     """
     places = len(episode)
     scores = {name: np.full((len(exposures), seeds, places - 1), np.nan) for name in type(task).scores}

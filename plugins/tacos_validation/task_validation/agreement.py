@@ -31,12 +31,8 @@ class OverSeeds:
 class Agreement:
     """Agreement of two rankings.
 
-    Parameters
-    ----------
-    tau
-        Kendall's rank correlation (tau-b), in -1..1.
-    same
-        Share of the seeds under which both put everything in one order, in 0..1.
+    `tau`: Kendall's rank correlation (tau-b), in -1..1. `same`: share of the seeds under which both put
+    everything in one order, in 0..1.
     """
 
     tau: OverSeeds
@@ -44,13 +40,6 @@ class Agreement:
 
 
 def over_seeds(values: Sequence[float] | NDArray[np.float64]) -> OverSeeds:
-    """Mean and interval.
-
-    Examples
-    --------
-    >>> print(over_seeds([1.0, 1.0, 4.0]))
-    2.00 [1.00, 3.85]
-    """
     low, high = np.percentile(values, INTERVAL)
     return OverSeeds(float(np.mean(values)), float(low), float(high))
 

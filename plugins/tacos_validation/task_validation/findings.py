@@ -24,16 +24,8 @@ from tacos_validation.task_validation.agreement import (
 class ValidationFindings:
     """Scores and rankings.
 
-    Parameters
-    ----------
-    cameras, titles
-        Names of the cameras, in recipes and for people.
-    score
-        The score that ranks them.
-    exposures
-        The exposures in words.
-    simulated, reference
-        For each camera what it came to in the simulator, and in what stands for reality.
+    `score`: the score that ranks them. `simulated`, `reference`: for each camera what it came to in the
+    simulator, and in what stands for reality.
     """
 
     cameras: tuple[str, ...]
@@ -49,7 +41,6 @@ class ValidationFindings:
 
     @property
     def places(self) -> int:
-        """Places of the camera."""
         return len(self.reference[0].on_target_px)
 
     def overall(self, setting: int) -> Agreement:
@@ -118,7 +109,6 @@ class ValidationFindings:
         return np.moveaxis(means, 1, 0).reshape(means.shape[1], -1)
 
     def as_data(self) -> dict[str, Any]:
-        """For ``result.json``."""
         pairs = range(self.places - 1)
         names = list(self.reference[0].scores)
         return {

@@ -36,7 +36,6 @@ _WIDEST_PX = 700
 
 
 def summary(findings: ValidationFindings) -> str:
-    """The finding in a few lines."""
     lines = [title(findings)]
     for setting, words in enumerate(findings.exposures):
         order = " > ".join(findings.titles[i] for i in findings.order(findings.reference, setting))
@@ -50,7 +49,6 @@ def summary(findings: ValidationFindings) -> str:
 
 
 def title(findings: ValidationFindings) -> str:
-    """The finding in a sentence."""
     settings = range(len(findings.exposures))
     alike = sum(findings.same_order(setting) for setting in settings)
     if alike == len(settings):
@@ -60,7 +58,6 @@ def title(findings: ValidationFindings) -> str:
 
 
 def page(simulator: str, reference: str, findings: ValidationFindings) -> Page:
-    """The page."""
     seeds = findings.scores(findings.reference).shape[1]
     every, floor = findings.everything, findings.everything_floor
     return Page(

@@ -53,8 +53,6 @@ class ValidateTask:
     """
 
     class Config(Settings):
-        """Settings of the procedure."""
-
         scene: Use = setting(
             Use(use="scene.relief-target"), help="The target, with a frame from each place of the camera."
         )
@@ -88,7 +86,6 @@ class ValidateTask:
         self.config = config
 
     def run(self, *, out: Path, seed: int, plugins: Plugins, progress: Progress) -> Mapping[str, Any]:
-        """Validate; leaves ``report.html``."""
         config = self.config
         cameras = load_cameras(config.cameras, config.catalog)
         rigs = [self._rig(camera, plugins) for camera in cameras]

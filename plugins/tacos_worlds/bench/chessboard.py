@@ -15,8 +15,6 @@ class Chessboard:
     """A chessboard on white paper with a margin of one square, as calibration tools expect it."""
 
     class Config(Settings):
-        """Settings of the scene."""
-
         inner_corners: tuple[int, int] = setting((9, 6), help="Inner corners along its rows and columns.")
         square_mm: float = setting(25.0, help="Side of its squares.", unit="mm", gt=0)
         distance_m: float = setting(0.6, help="From the camera to its middle.", unit="m", gt=0)
@@ -36,13 +34,6 @@ class Chessboard:
         self.config = config
 
     def episode(self, *, illumination_lux: float) -> Episode:
-        """The board, and frames of it.
-
-        Parameters
-        ----------
-        illumination_lux
-            Illuminance on the board [lux].
-        """
         config = self.config
         columns, rows = (count + 1 for count in config.inner_corners)
         side_m = config.square_mm * 1e-3

@@ -29,8 +29,6 @@ class ColourChart:
     """
 
     class Config(Settings):
-        """Settings of the scene."""
-
         patch_m: float = setting(0.028, help="Side of a patch.", unit="m", gt=0)
         gap_m: float = setting(0.005, help="Dark space between patches.", unit="m", gt=0)
         frame: float = setting(0.03, help="Reflectance of the dark frame.", ge=0, le=1)
@@ -41,13 +39,6 @@ class ColourChart:
         self.config = config
 
     def episode(self, *, illumination_lux: float) -> Episode:
-        """The chart, and frames of it.
-
-        Parameters
-        ----------
-        illumination_lux
-            Illuminance on the chart [lux].
-        """
         config = self.config
         step_m = config.patch_m + config.gap_m
         half_width_m, half_height_m = COLUMNS * step_m / 2, ROWS * step_m / 2

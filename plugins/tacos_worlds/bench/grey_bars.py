@@ -24,8 +24,6 @@ class GreyBars:
     """
 
     class Config(Settings):
-        """Settings of the scene."""
-
         bars: int = setting(16, help="Number of bars.", ge=3, le=256)
         darkest: float = setting(0.0, help="Reflectance of the first bar.", ge=0, le=1)
         brightest: float = setting(0.9, help="Reflectance of the last bar.", gt=0, le=1)
@@ -38,13 +36,7 @@ class GreyBars:
         self.config = config
 
     def episode(self, *, illumination_lux: float) -> Episode:
-        """The target, and frames of it.
-
-        Parameters
-        ----------
-        illumination_lux
-            Mean illuminance on the target [lux].
-        """
+        """The target, and frames of it. `illumination_lux`: mean illuminance on the target [lux]."""
         config = self.config
         reflectances = np.linspace(config.darkest, config.brightest, config.bars)
         edges = np.linspace(-config.width_m / 2, config.width_m / 2, config.bars + 1)

@@ -14,8 +14,6 @@ class LightBox:
     """
 
     class Config(Settings):
-        """Settings of the scene."""
-
         reflectance: float = setting(1.0, help="Reflectance of the surface.", gt=0, le=1)
         distance_m: float = setting(0.1, help="From the camera to the surface.", unit="m", gt=0)
         frames: int = setting(1, help="Frames taken.", ge=1, le=1_000_000)
@@ -24,13 +22,6 @@ class LightBox:
         self.config = config
 
     def episode(self, *, illumination_lux: float) -> Episode:
-        """The surface, and frames of it.
-
-        Parameters
-        ----------
-        illumination_lux
-            Illuminance on the surface [lux].
-        """
         config = self.config
         half_m = 20 * config.distance_m  # seen up to 87 degrees off the axis
         part = facing(

@@ -38,8 +38,6 @@ class ReliefTarget:
     """
 
     class Config(Settings):
-        """Settings of the scene."""
-
         size_m: float = setting(0.4, help="Edge of the target.", unit="m", gt=0)
         blocks: int = setting(5, help="Blocks along an edge.", ge=1, le=32)
         relief_m: float = setting(0.1, help="Height of the highest block.", unit="m", ge=0)
@@ -64,12 +62,7 @@ class ReliefTarget:
     def episode(self, *, rng: np.random.Generator, illumination_lux: float) -> Episode:
         """The target, and a frame from each place.
 
-        Parameters
-        ----------
-        rng
-            Draws the heights of the blocks and the detail on them.
-        illumination_lux
-            Mean illuminance on the front of the target [lux].
+        `illumination_lux`: mean illuminance on the front of the target [lux].
         """
         config = self.config
         number = int(rng.integers(2**32))
@@ -139,12 +132,8 @@ def rectangle(
 ) -> MeshPart:
     """A rectangle cut into small triangles, which faces along u x v, or against it where `flipped`.
 
-    Parameters
-    ----------
-    centre_m, half_u_m, half_v_m
-        (3,) middle, and from there to the middles of two edges [m].
-    mesh_m
-        Edge of a cell at most [m].
+    `centre_m`, `half_u_m`, `half_v_m`: (3,) middle, and from there to the middles of two edges [m]. `mesh_m`:
+    edge of a cell at most [m].
     """
     counts = [int(np.ceil(2 * np.linalg.norm(half) / mesh_m)) for half in (half_u_m, half_v_m)]
     u, v = (np.linspace(-1, 1, count + 1) for count in counts)

@@ -24,8 +24,6 @@ class SlantedEdges:
     """
 
     class Config(Settings):
-        """Settings of the scene."""
-
         angle_deg: float = setting(
             5.0, help="Angle of the edges to the image's axes.", unit="deg", ge=-45, le=45
         )
@@ -41,13 +39,6 @@ class SlantedEdges:
         self.config = config
 
     def episode(self, *, illumination_lux: float) -> Episode:
-        """The target, and frames of it.
-
-        Parameters
-        ----------
-        illumination_lux
-            Illuminance on the target [lux].
-        """
         config = self.config
         half_m = config.size_m / 2
         paper = facing(
@@ -62,7 +53,6 @@ class SlantedEdges:
         return standing(world, config.frames)
 
     def _squares(self) -> MeshPart:
-        """All squares as one mesh."""
         config = self.config
         reach = int(config.size_m / 2 / config.pitch_m - 0.5)
         places = np.arange(-reach, reach + 1) * config.pitch_m

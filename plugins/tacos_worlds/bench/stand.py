@@ -34,7 +34,6 @@ TARGET = Object("target", "target")
 
 
 def matte(name: str, reflectance: float) -> Material:
-    """Grey paper."""
     return Material(name, np.full(3, reflectance, np.float32), roughness=1.0)
 
 
@@ -50,12 +49,8 @@ def facing(
 ) -> MeshPart:
     """A rectangle in the plane x = distance that faces the camera.
 
-    Parameters
-    ----------
-    left_m, right_m
-        Its left and right edge as the camera sees them, positive to the right [m].
-    bottom_m, top_m
-        Its lower and upper edge above the axis [m].
+    `left_m`, `right_m`: its left and right edge as the camera sees them, positive to the right [m].
+    `bottom_m`, `top_m`: its lower and upper edge above the axis [m].
     """
     corners = [
         (distance_m, -left_m, bottom_m),
@@ -107,10 +102,8 @@ def bench_world(
         What makes the target what it is; light and distance are added to it.
     illumination_lux
         Mean illuminance on the target itself, as a meter laid on it shows [lux].
-    width_m, height_m
-        Size of the target [m].
     reflections
-        Whether light that comes over other surfaces is worked out too. A flat target alone receives none.
+        True if light that comes over other surfaces is worked out too. A flat target alone receives none.
     """
     key = f"{key}; {distance_m!r} m, {width_m!r} x {height_m!r} m"
     world = World(
@@ -163,12 +156,8 @@ def tent_world(
 def turned(part: MeshPart, distance_m: float, *, tilt_deg: float = 0.0, turn_deg: float = 0.0) -> MeshPart:
     """A part of a target, turned with it about the target's middle.
 
-    Parameters
-    ----------
-    tilt_deg
-        About the horizontal axis; above 0 the upper edge goes back [deg].
-    turn_deg
-        About the vertical axis; above 0 the right edge goes back [deg].
+    `tilt_deg`: about the horizontal axis; above 0 the upper edge goes back [deg]. `turn_deg`: about the
+    vertical axis; above 0 the right edge goes back [deg].
     """
     tilt, turn = math.radians(tilt_deg), math.radians(turn_deg)
     about_y = np.array([[math.cos(tilt), 0, math.sin(tilt)], [0, 1, 0], [-math.sin(tilt), 0, math.cos(tilt)]])

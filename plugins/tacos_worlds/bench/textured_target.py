@@ -45,8 +45,6 @@ class TexturedTarget:
     """
 
     class Config(Settings):
-        """Settings of the scene."""
-
         size_m: float = setting(0.6, help="Edge of the sheet that is seen.", unit="m", gt=0)
         distance_m: float = setting(0.5, help="From the camera to the sheet.", unit="m", gt=0)
         tilt_deg: float = setting(
@@ -72,13 +70,6 @@ class TexturedTarget:
         self.config = config
 
     def episode(self, *, rng: np.random.Generator, illumination_lux: float) -> Episode:
-        """The sheet, and frames of it.
-
-        Parameters
-        ----------
-        illumination_lux
-            Illuminance on the sheet [lux].
-        """
         config = self.config
         number = int(rng.integers(2**32))
         leaves = dead_leaves(
@@ -120,10 +111,7 @@ def dead_leaves(
 ) -> NDArray[np.uint8]:
     """(size, size, 3) uint8 sRGB-encoded leaves that tile; radii r have the density r^-3.
 
-    Parameters
-    ----------
-    darkest, brightest
-        Least and greatest reflectance, spread evenly for each channel of each leaf [1].
+    `darkest`, `brightest`: least and greatest reflectance, spread evenly for each channel of each leaf [1].
     """
     import cv2
 

@@ -22,14 +22,7 @@ def doubts_of_height(
 ) -> Iterator[str]:
     """What is strange of the height of rooms, most likely as the unit is another.
 
-    Parameters
-    ----------
-    clear_m
-        As `clear_height_m` gives it [m].
-    metres_per_unit
-        What the file was read with.
-    camera_height_m
-        Lowest and highest eye of the agent [m].
+    `camera_height_m`: lowest and highest eye of the agent [m].
     """
     if clear_m is None:
         return

@@ -72,7 +72,6 @@ class Floor:
         return len(self.points_m) * self.cell_m**2
 
     def kept(self, chosen: NDArray[np.bool_] | NDArray[np.intp]) -> Floor:
-        """Some of the places."""
         rows = np.flatnonzero(chosen) if chosen.dtype == bool else chosen
         steps = self.steps[rows][:, rows].tocsr()
         return Floor(
@@ -112,7 +111,7 @@ def walkable(
     Parameters
     ----------
     inside
-        Whether to walk under a ceiling or in the open; None for the ceiling where there is a good deal of it.
+        True under a ceiling, False in the open; None for the ceiling where there is a good deal of it.
     start_m
         (3,) a place on the floor to be reached [m]; decides alone where given.
 

@@ -28,12 +28,8 @@ def facing_the_eye(
 ) -> list[Patch]:
     """Patches whose seen side is their front; those seen from both sides get a back.
 
-    Parameters
-    ----------
-    patches
-        In the order in which `occlusion` holds their triangles.
-    eyes_m
-        (N, 3) where eyes may be [m].
+    `patches`: in the order in which `occlusion` holds their triangles. `eyes_m`: (N, 3) where eyes may be
+    [m].
     """
     front, back = _looks(patches, occlusion, eyes_m)
     faced = []

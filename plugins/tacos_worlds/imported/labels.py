@@ -40,10 +40,8 @@ _WORDS: Mapping[str, tuple[str, ...]] = {
 class Rule:
     """Surfaces whose name matches a pattern are of a class.
 
-    Parameters
-    ----------
-    pattern
-        With ``*`` and ``?``, of a node's name or of its whole path; small and capital letters are alike.
+    `pattern`: with ``*`` and ``?``, of a node's name or of its whole path; small and capital letters are
+    alike.
     """
 
     pattern: str
@@ -104,10 +102,7 @@ def _from_yaml(file: Path) -> tuple[list[Rule], list[Fault]]:
 class Label:
     """What a surface is.
 
-    Parameters
-    ----------
-    thing
-        Names the thing: surfaces of one thing share it. Empty for the background.
+    `thing`: names the thing: surfaces of one thing share it. Empty for the background.
     """
 
     thing: str

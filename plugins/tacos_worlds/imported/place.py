@@ -39,15 +39,7 @@ _UNLIT_LUX = 300.0
 
 @dataclass(frozen=True)
 class Budget:
-    """What a world may take.
-
-    Parameters
-    ----------
-    triangles
-        In all [1].
-    texture_memory_mb
-        For textures [MB].
-    """
+    """What a world may take."""
 
     triangles: int
     texture_memory_mb: float
@@ -57,16 +49,8 @@ class Budget:
 class Sources:
     """Where light comes from.
 
-    Parameters
-    ----------
-    lights
-        Those of the file, and the sun.
-    emission_scale
-        Luminance for one unit of emission in the file [cd/m2].
-    surroundings
-        The sky, or None.
-    lamps
-        Whether lamps are placed: always, or never, or (None) where nothing else shines.
+    `emission_scale`: luminance for one unit of emission in the file [cd/m2]. `lamps`: whether lamps are
+    placed: always, or never, or (None) where nothing else shines.
     """
 
     lights: tuple[Light, ...]
@@ -102,15 +86,7 @@ def lit_world(
 ) -> tuple[World, float]:
     """The world, with the light its sources have, baked, and its mean illuminance 1 m above the floor [lux].
 
-    Parameters
-    ----------
-    eye_m
-        Height of the agent's eye [m].
-
-    Raises
-    ------
-    ValueError
-        Where no light reaches the floor.
+    `eye_m`: height of the agent's eye [m]. Raises ValueError where no light reaches the floor.
     """
     eyes = floor.points_m + np.array([0.0, 0.0, eye_m])
     faced = facing_the_eye(patches, occlusion, eyes)

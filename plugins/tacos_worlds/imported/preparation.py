@@ -37,14 +37,8 @@ _LAMPS = {"auto": None, "file": False, "lamps": True, "both": True}
 class Survey:
     """A file that was read, labelled and found to have a floor, before it is lit.
 
-    Parameters
-    ----------
-    objects, class_names
-        What things are.
-    recorded
-        Poses of the agent from a file, or None.
-    remarks
-        What is doubtful of the files, and what of them is not carried out, with its effect.
+    `recorded`: poses of the agent from a file, or None. `remarks`: what is doubtful of the files, and what of
+    them is not carried out, with its effect.
     """
 
     read: Read
@@ -61,13 +55,7 @@ class Survey:
 
 
 def survey(config: ImportedSettings, telling: Telling | None = None) -> Survey:
-    """Read, label, and look for the floor.
-
-    Raises
-    ------
-    UserError
-        With a fault for each thing that is wrong.
-    """
+    """Read, label, and look for the floor. Raises UserError with a fault for each thing that is wrong."""
     file = Path(config.file).expanduser()
     rules, faults = read_table(Path(config.labels).expanduser()) if config.labels else ([], [])
     sky, of_sky = _sky(config)
@@ -116,10 +104,7 @@ def survey(config: ImportedSettings, telling: Telling | None = None) -> Survey:
 def prepare(config: ImportedSettings) -> Place:
     """Read, label, look for the floor, and light.
 
-    Raises
-    ------
-    UserError
-        With a fault for each thing that is wrong.
+    Raises UserError with a fault for each thing that is wrong.
     """
     telling = Telling(Path(config.file).expanduser())
     found = survey(config, telling)
@@ -201,10 +186,7 @@ def _idle(config: ImportedSettings, read: Read, rules: Sequence[Rule]) -> Iterat
 def _of_obstacles(config: ImportedSettings, objects: Sequence[Object]) -> Iterator[str]:
     """A remark on classes of obstacles of which the file has none, where somebody asked for them.
 
-    Raises
-    ------
-    UserError
-        Where frames are taken before obstacles alone, and there is none.
+    Raises UserError where frames are taken before obstacles alone, and there is none.
     """
     classes = {thing.class_name for thing in objects[1:]}
     missing = [name for name in config.obstacles if name not in classes]

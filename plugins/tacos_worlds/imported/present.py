@@ -1,4 +1,4 @@
-"""Whether files that settings name are there, before anything is read."""
+"""Faults of files that settings name, before anything is read."""
 
 from __future__ import annotations
 

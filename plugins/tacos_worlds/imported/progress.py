@@ -27,7 +27,6 @@ class Telling:
         self._began_s = time.monotonic()
 
     def read(self, triangles: int) -> None:
-        """The file is read."""
         self._triangles = triangles
         if triangles >= LARGE:
             seconds = time.monotonic() - self._began_s

@@ -56,13 +56,7 @@ def read_world(
     leave_out: tuple[str, ...],
     most_px: int,
 ) -> Read:
-    """Read a file.
-
-    Raises
-    ------
-    UserError
-        With a fault for each thing that is wrong with it.
-    """
+    """Read a file. Raises UserError with a fault for each thing that is wrong with it."""
     from tacos_worlds.kit.mesh_files import content_faults, read_model  # late: loads trimesh
 
     model = read_model(file, most_px=most_px)

@@ -29,7 +29,7 @@ def read_recorded(
     origin_m
         (3,) where the origin of the world lies, in metres with z up [m].
     of_camera
-        Whether its poses are of an optical frame; else of an agent.
+        True if its poses are of an optical frame; else of an agent.
     """
     found = read_poses(file)
     rotation = turn / np.cbrt(np.linalg.det(turn))

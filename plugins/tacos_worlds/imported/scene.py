@@ -49,7 +49,6 @@ class ImportedScene:
 
     @property
     def moves(self) -> str:
-        """How its cameras move; a recorded path says it itself."""
         from tacos_worlds.kit.carried import motion_words
 
         return motion_words(self.config, self.config.speed_m_s) if not self.config.path else ""
@@ -58,10 +57,7 @@ class ImportedScene:
     def place(self) -> Place:
         """The file, read, labelled, lit and with its floor found; made once.
 
-        Raises
-        ------
-        UserError
-            With a fault for each thing that is wrong with the files.
+        Raises UserError with a fault for each thing that is wrong with the files.
         """
         if self._place is None:
             from tacos_worlds.imported.preparation import prepare  # late: it imports what builds worlds
@@ -73,10 +69,7 @@ class ImportedScene:
     def remarks(self) -> tuple[str, ...]:
         """What is doubtful of the files, and what of them is not carried out, with its effect.
 
-        Raises
-        ------
-        UserError
-            With a fault for each thing that is wrong with the files.
+        Raises UserError with a fault for each thing that is wrong with the files.
         """
         from tacos_worlds.imported.preparation import survey
 
@@ -85,10 +78,7 @@ class ImportedScene:
     def episode(self, *, rng: np.random.Generator, illumination_lux: float) -> Episode:
         """A trip through the world.
 
-        Parameters
-        ----------
-        illumination_lux
-            Mean illuminance on a plane 1 m above the floor that can be walked on [lux].
+        `illumination_lux`: mean illuminance on a plane 1 m above the floor that can be walked on [lux].
         """
         from tacos_worlds.imported.place import at_illuminance
         from tacos_worlds.imported.recorded import recorded_episode
@@ -108,7 +98,6 @@ class ImportedScene:
         return carried(shaking_rng, trip, self.config)
 
     def _stretches(self, rng: np.random.Generator, place: Place) -> Iterator[Stretch]:
-        """Where frames are taken."""
         from tacos_worlds.imported.walks import draw_walks
         from tacos_worlds.kit.walk.trip import along_walks, approaches
 

@@ -30,14 +30,8 @@ _HDR_LIMITS = (16, 16384)
 class Surroundings:
     """Light from beyond the geometry, in the unit of the file.
 
-    Parameters
-    ----------
-    panorama
-        (H, 2 H, 3) float32 as `World.sky_cd_m2`, without the sun [the file's unit].
-    mean
-        (3,) mean of its upper half, weighted by the cosine from the zenith [the same].
-    sun
-        The sun, or None where there is none.
+    `panorama`: (H, 2 H, 3) float32 as `World.sky_cd_m2`, without the sun [the file's unit]. `mean`: (3,) mean
+    of its upper half, weighted by the cosine from the zenith [the same].
     """
 
     panorama: NDArray[np.float32]
@@ -57,15 +51,8 @@ def read_surroundings(file: Path, turn_deg: float) -> Surroundings:
     Its first row is the zenith, its middle column looks along +x, and azimuth grows to the left, as seen from
     inside, which is how such files are made.
 
-    Parameters
-    ----------
-    turn_deg
-        Turns the panorama about the vertical, to the left [deg].
-
-    Raises
-    ------
-    Unreadable
-        Where it cannot be decoded, or is not twice as wide as high.
+    `turn_deg`: turns the panorama about the vertical, to the left [deg]. Raises Unreadable where it cannot be
+    decoded, or is not twice as wide as high.
     """
     image = _decoded(file)
     height, width = image.shape[:2]

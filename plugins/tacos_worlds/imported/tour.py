@@ -30,12 +30,8 @@ _REACH_M = 0.3
 class Way:
     """A line over the floor.
 
-    Parameters
-    ----------
-    points_m
-        (N, 3) points on the floor, about `STEP_M` apart [m].
-    steps_on
-        For each obstacle stepped on, in order: (index of the point, id of the object).
+    `points_m`: (N, 3) points on the floor, about `STEP_M` apart [m]. `steps_on`: for each obstacle stepped
+    on, in order: (index of the point, id of the object).
     """
 
     points_m: NDArray[np.float64]
@@ -82,10 +78,7 @@ def draw_tour(rng: np.random.Generator, floor: Floor) -> NDArray[np.float64]:
 def along_waypoints(floor: Floor, waypoints_m: NDArray[np.float64]) -> NDArray[np.float64]:
     """(N, 3) a way over the floor from one of (M, 3) waypoints to the next [m].
 
-    Raises
-    ------
-    ValueError
-        Where a waypoint lies off the floor.
+    Raises ValueError where a waypoint lies off the floor.
     """
     at = []
     for number, point in enumerate(waypoints_m, start=1):
@@ -112,14 +105,8 @@ def stepped_on(
 ) -> Way:
     """A line with the obstacles on it: what lies underfoot, seen from above it.
 
-    Parameters
-    ----------
-    points_m
-        (N, 3) places of the line [m].
-    obstacles
-        Ids of objects that count.
-    above_m, reach_m
-        From how far above the line one looks, and how far down from there [m].
+    `obstacles`: ids of objects that count. `above_m`, `reach_m`: from how far above the line one looks, and
+    how far down from there [m].
     """
     above = (points_m + np.array([0, 0, above_m])).astype(np.float32)
     hits = occlusion.first_hits(above, np.tile(np.array([0, 0, -1], np.float32), (len(above), 1)))
@@ -143,7 +130,6 @@ def _lengths(graph: csr_array, start: int) -> NDArray[np.float64]:
 
 
 def _traced(before: NDArray[np.int32], start: int, end: int) -> NDArray[np.intp]:
-    """The places from start to end."""
     places = [end]
     while places[-1] != start:
         places.append(int(before[places[-1]]))

@@ -22,8 +22,6 @@ class Place:
         Lit as its sources are.
     lux
         Mean illuminance 1 m above the floor in that world [lux].
-    floor
-        Where the agent can walk.
     obstacles
         Ids of objects that count when stepped on.
     recorded

@@ -30,8 +30,6 @@ class Building:
 
     Parameters
     ----------
-    room_kinds
-        What each room is used for.
     background
         Pieces without label: structure and decoration.
     thresholds

@@ -21,16 +21,8 @@ _DOOR_TO_CORNER_M = 0.85
 class Door:
     """A doorway in the wall between two rooms.
 
-    Parameters
-    ----------
-    rooms
-        Indices of the rooms on its lower and upper side along `axis`.
-    axis
-        0 where one passes along x, 1 along y.
-    x_m, y_m
-        Middle of the doorway [m].
-    width_m, height_m
-        Clear opening [m].
+    `rooms`: indices of the rooms on its lower and upper side along `axis`. `axis`: 0 where one passes along
+    x, 1 along y.
     """
 
     rooms: tuple[int, int]
@@ -61,12 +53,8 @@ class Door:
 class FloorPlan:
     """Rooms and doors.
 
-    Parameters
-    ----------
-    size_m
-        Extent of the floor along x and y, from (0, 0) [m].
-    cells
-        Rooms measured to the middle of the walls between them; they tile the floor [m].
+    `size_m`: extent of the floor along x and y, from (0, 0) [m]. `cells`: rooms measured to the middle of the
+    walls between them; they tile the floor [m].
     """
 
     size_m: tuple[float, float]
@@ -85,7 +73,6 @@ class FloorPlan:
         )
 
     def doors_of(self, room: int) -> list[Door]:
-        """The doors of one room."""
         return [door for door in self.doors if room in door.rooms]
 
 

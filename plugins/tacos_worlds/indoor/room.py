@@ -41,12 +41,8 @@ class RoomsToDraw:
         that of the brightest [1].
     leaves
         Floor taken by open door leaves [m].
-    temperature_k
-        Colour temperature of the ceiling lights [K].
     ceiling_height_m, step_m
         Height of the rooms, and edge of the cells of their surfaces [m].
-    catalogue
-        The furniture there is.
     clutter, people
         How many small things, and how many people, over what is usual [1].
     """
@@ -65,7 +61,6 @@ class RoomsToDraw:
     people: float
 
     def area_m2(self, room: int) -> float:
-        """Floor area of a room [m2]."""
         width_m, depth_m = self.plan.cells[room].size
         return width_m * depth_m
 

@@ -51,8 +51,6 @@ class IndoorScene:
     carrier: ClassVar[str] = "person"
 
     class Config(CarriedSettings):
-        """Settings of the scene."""
-
         size_m: tuple[Metres, Metres] = setting(
             (15.0, 15.0), help="Extent of the floor along x and y.", unit="m"
         )
@@ -143,16 +141,12 @@ class IndoorScene:
 
     @property
     def moves(self) -> str:
-        """How its cameras move."""
         return motion_words(self.config, self.config.speed_m_s)
 
     def episode(self, *, rng: np.random.Generator, illumination_lux: float) -> Episode:
         """A new world and a trip through it.
 
-        Parameters
-        ----------
-        illumination_lux
-            Mean illuminance on a plane 1 m above the floors of all rooms [lux].
+        `illumination_lux`: mean illuminance on a plane 1 m above the floors of all rooms [lux].
         """
         # Late: what builds worlds takes a while to import, and checking a recipe builds none.
         from tacos_worlds.indoor.assembly import assemble
@@ -181,7 +175,6 @@ class IndoorScene:
         return carried(shaking_rng, trip, config)
 
     def _stretches(self, rng: np.random.Generator, building: Building) -> Iterator[Stretch]:
-        """Where frames are taken."""
         from tacos_worlds.indoor.walk.walks import draw_walks
         from tacos_worlds.kit.walk.trip import along_walks, approaches, bursts
 

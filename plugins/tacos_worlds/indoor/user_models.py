@@ -44,10 +44,7 @@ def load_user_models(folder: str) -> UserModels:
 
     Files may refer to others (materials, textures) only inside the folder.
 
-    Raises
-    ------
-    UserError
-        With a fault for every file or subfolder that cannot be used.
+    Raises UserError with a fault for every file or subfolder that cannot be used.
     """
     root = Path(folder).expanduser().resolve()
     if not root.is_dir():
@@ -105,7 +102,6 @@ def _opened(file: Path, root: Path) -> Model:
 
 
 def _parts(model: Model, where: str, images: dict[int, NDArray[np.uint8]]) -> list[tuple[Mesh, Finish]]:
-    """A model as meshes and finishes, whose images are added to `images`."""
     sides = [_outwards(sound(surface, _Z_UP_FRONT_Y, 0)) for surface in model.surfaces]
     if not any(len(each.triangles) for each in sides):
         raise UserError(Fault(where, "has no triangles with an extent", "a mesh of surfaces that are opaque"))

@@ -141,12 +141,8 @@ def integrated_noise(
 ) -> NDArray[np.float64]:
     """(N,) the integral of band-limited noise at rising times.
 
-    Parameters
-    ----------
-    deviation
-        Standard deviation of the noise, in units of the integral per second.
-    band_hz
-        Lowest and highest frequency; all between are alike strong [Hz].
+    `deviation`: standard deviation of the noise, in units of the integral per second. `band_hz`: lowest and
+    highest frequency; all between are alike strong [Hz].
     """
     span_s = max(float(time_s[-1] - time_s[0]), _LEAST_S)
     low, high = band_hz

@@ -34,7 +34,6 @@ def vivid(rng: np.random.Generator) -> Colour:
 
 
 def whitish(rng: np.random.Generator) -> Colour:
-    """An sRGB colour of wall paint."""
     return colorsys.hsv_to_rgb(
         float(rng.normal(0.1, 0.03)) % 1.0, float(rng.uniform(0.0, 0.09)), float(rng.uniform(0.88, 0.96))
     )

@@ -47,7 +47,6 @@ class Finish:
     image: int = -1
 
     def scaled_to(self, size_m: float) -> Finish:
-        """The finish with its texture drawn over `size_m` [m]."""
         return replace(self, texture_size_m=size_m)
 
 

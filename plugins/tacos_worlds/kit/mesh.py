@@ -54,7 +54,6 @@ class Mesh:
         return Mesh(self.vertices_m, self.normals, self.uv_m + np.array([u_m, v_m]), self.triangles)
 
     def part(self, material: int, object_id: int, light_detail: float = 1.0) -> MeshPart:
-        """The mesh as a part of a world; see `MeshPart`."""
         return MeshPart(
             vertices_m=self.vertices_m.astype(np.float32),
             normals=self.normals.astype(np.float32),
@@ -85,7 +84,6 @@ def rotation_y(angle_rad: float) -> Floats:
 
 
 def merged(meshes: Iterable[Mesh]) -> Mesh:
-    """All meshes as one."""
     meshes = list(meshes)
     first = np.cumsum([0] + [len(mesh.vertices_m) for mesh in meshes[:-1]])
     return Mesh(

@@ -69,7 +69,7 @@ class Piece:
     lights
         Lamps inside, in the frame of the piece.
     can_light
-        Whether its last part is a shade that can glow.
+        True if its last part is a shade that can glow.
     tops, seats
         Where things can stand on it and people sit on it.
     """

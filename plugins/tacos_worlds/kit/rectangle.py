@@ -21,7 +21,6 @@ class Rect:
 
     @property
     def centre(self) -> tuple[float, float]:
-        """Middle [m]."""
         return (self.x0 + self.x1) / 2, (self.y0 + self.y1) / 2
 
     def grown(self, by_m: float) -> Rect:
@@ -29,7 +28,7 @@ class Rect:
         return Rect(self.x0 - by_m, self.y0 - by_m, self.x1 + by_m, self.y1 + by_m)
 
     def overlaps(self, other: Rect, gap_m: float = 0.0) -> bool:
-        """Whether the two come closer than `gap_m` [m]."""
+        """True if the two come closer than `gap_m` [m]."""
         return (
             self.x0 < other.x1 + gap_m
             and other.x0 < self.x1 + gap_m
@@ -38,5 +37,5 @@ class Rect:
         )
 
     def contains(self, other: Rect) -> bool:
-        """Whether `other` lies inside."""
+        """True if `other` lies inside."""
         return self.x0 <= other.x0 and self.y0 <= other.y0 and other.x1 <= self.x1 and other.y1 <= self.y1

@@ -44,14 +44,8 @@ def draw_daylight(
 ) -> Daylight:
     """Daylight from a random side, which gives an open, level surface 1 lux.
 
-    Parameters
-    ----------
-    elevation_deg
-        Of the sun [deg].
-    sun_share
-        Share of the light on a level surface that comes straight from the sun [1].
-    clouds
-        Cover, from 0 for a clear sky to 1 [1].
+    `sun_share`: share of the light on a level surface that comes straight from the sun [1]. `clouds`: Cover,
+    from 0 for a clear sky to 1 [1].
     """
     azimuth, elevation = rng.uniform(0, 2 * math.pi), math.radians(elevation_deg)
     towards = np.array(

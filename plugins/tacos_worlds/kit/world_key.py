@@ -11,14 +11,8 @@ from tacos_framework import World, content_key
 def world_key(name: str, world: World, *settled_later: float) -> str:
     """A name, and a key of everything that a world is made of but the light that is baked into it.
 
-    Parameters
-    ----------
-    name
-        What begins the key, for logs.
-    world
-        Before its light is baked, from which that follows.
-    settled_later
-        What else decides the light, such as the illuminance it is scaled to [lux].
+    `world`: before its light is baked, from which that follows. `settled_later`: what else decides the light,
+    such as the illuminance it is scaled to [lux].
     """
     made_of = [
         _plain(each) for kind in (world.parts, world.materials, world.objects, world.lights) for each in kind

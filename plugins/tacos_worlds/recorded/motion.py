@@ -29,12 +29,8 @@ class Shot:
 class Motion:
     """How fast the image moves.
 
-    Parameters
-    ----------
-    time_s
-        (K,) middle of each step [s].
-    velocity_px_s
-        (K, H/2, W/2, 2) velocity along x and y [px/s] at every other pixel.
+    `time_s`: (K,) middle of each step [s]. `velocity_px_s`: (K, H/2, W/2, 2) velocity along x and y [px/s] at
+    every other pixel.
     """
 
     time_s: NDArray[np.float64]
@@ -97,10 +93,7 @@ def shot_of(
 ) -> Shot:
     """A frame of (H, W) light, brought to the same brightness whatever its exposure.
 
-    Parameters
-    ----------
-    white_per_ms
-        Light per millisecond that becomes white [DN/ms].
+    `white_per_ms`: light per millisecond that becomes white [DN/ms].
     """
     height, width = (size // 2 for size in light_dn.shape)
     pairs = light_dn[: 2 * height, : 2 * width].reshape(height, 2, width, 2).mean((1, 3))
@@ -110,13 +103,7 @@ def shot_of(
 
 
 def shots_of(recording: Recording, light: Mapping[str, NDArray[np.float32]]) -> dict[str, list[Shot]]:
-    """Every frame of a recording, ready for motion, by exposure.
-
-    Parameters
-    ----------
-    light
-        (N, H, W) of each exposure [DN].
-    """
+    """Every frame of a recording, ready for motion, by exposure. `light`: (N, H, W) of each exposure [DN]."""
     exposures = recording.exposures
     bright = [
         np.quantile(each[:, ::4, ::4], 0.95) / exposures[name].exposure_ms for name, each in light.items()

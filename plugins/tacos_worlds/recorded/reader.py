@@ -41,8 +41,6 @@ def read_recording(folder: str | Path, *, fewest: int = 2, response: ResponseFro
 
     Parameters
     ----------
-    fewest
-        Exposures that are needed.
     response
         ``linear`` where samples are in proportion to light, as those of raw files are; ``estimated`` from the
         exposures even where the folder states one.

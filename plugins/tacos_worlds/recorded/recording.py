@@ -20,14 +20,8 @@ _MOSAIC = 1.03
 class ExposedFrames:
     """Frames of one exposure, in the order they were taken.
 
-    Parameters
-    ----------
-    exposure_ms
-        Exposure time [ms].
-    stamp_s
-        (N,) times of ``times.csv``, from the first of the recording [s].
-    codes_dn
-        (N, H, W) samples as stored [DN].
+    `stamp_s`: (N,) times of ``times.csv``, from the first of the recording [s]. `codes_dn`: (N, H, W) samples
+    as stored [DN].
     """
 
     exposure_ms: float
@@ -55,7 +49,7 @@ class Recording:
     response_from
         Where the response comes from, in a sentence.
     green_on_diagonal
-        Whether the mosaic has green at (0, 0) and (1, 1).
+        True if the mosaic has green at (0, 0) and (1, 1).
     """
 
     exposures: Mapping[str, ExposedFrames]
@@ -71,7 +65,7 @@ class Recording:
 
     @property
     def has_mosaic(self) -> bool:
-        """Whether samples of different places in each 2 x 2 differ in brightness, as under colour filters."""
+        """True if samples of different places in each 2 x 2 differ in brightness, as under colour filters."""
         brightest = max(self.exposures, key=lambda name: self.exposures[name].exposure_ms)
         codes = self.exposures[brightest].codes_dn
         means = [float(codes[:, row::2, column::2].mean()) for row in (0, 1) for column in (0, 1)]
@@ -88,12 +82,9 @@ class Recording:
 
 
 def green_on_diagonal(codes_dn: NDArray[np.uint16]) -> bool:
-    """Whether the samples at (0, 0) and (1, 1) of each 2 x 2 are more alike than the other two.
+    """True if the samples at (0, 0) and (1, 1) of each 2 x 2 are more alike than the other two.
 
-    Parameters
-    ----------
-    codes_dn
-        (N, H, W) of a Bayer mosaic [DN].
+    `codes_dn`: (N, H, W) of a Bayer mosaic [DN].
     """
     planes = {
         (row, column): codes_dn[:, row::2, column::2].astype(np.float32)

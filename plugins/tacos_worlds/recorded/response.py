@@ -44,10 +44,7 @@ def linear_response(white_dn: int) -> Response:
 def tabled_response(values: NDArray[np.float64], white_dn: int) -> Response:
     """A response from a table of light at evenly spaced codes, in 0..255.
 
-    Raises
-    ------
-    ValueError
-        When it has fewer than two values, or they do not rise.
+    Raises ValueError when it has fewer than two values, or they do not rise.
     """
     if len(values) < 2 or not np.all(np.isfinite(values)) or np.any(np.diff(values) <= 0):
         raise ValueError(f"{len(values)} values that do not rise throughout")

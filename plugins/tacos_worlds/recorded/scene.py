@@ -44,8 +44,6 @@ class RecordedEpisode(Episode):
 
     Parameters
     ----------
-    source
-        Light of the recording.
     camera
         What recorded it, at the resolution of its light, mounted as the settings say.
     exposure_name
@@ -81,8 +79,6 @@ class RecordedScene:
     absent: ClassVar[tuple[str, ...]] = ("geometry", "poses", "depth", "objects")
 
     class Config(Settings):
-        """Settings of the scene."""
-
         recording: str = setting(
             "recording", help="Folder of the frames, with times.csv.", min_length=1, is_path=True
         )
@@ -155,7 +151,6 @@ class RecordedScene:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """See `SceneBase.remarks`."""
         count, frames, shown = self._stretches(), self.config.frames, self._frames
         stretches = f"{count} stretch{'es' * (count > 1)}"
         signal_dn = self._source.mean * shown.exposure_ms
@@ -172,7 +167,6 @@ class RecordedScene:
         )
 
     def episode(self, *, rng: np.random.Generator, illumination_lux: float) -> RecordedEpisode:
-        """One stretch of the recording."""
         frames, stretch = self.config.frames, int(rng.integers(self._stretches()))
         first = stretch * frames
         middle_s = [self._source.middle_s(self._frames.name, first + i) for i in range(frames)]
@@ -198,7 +192,6 @@ class RecordedScene:
     def not_shown(
         self, rig: Rig, *, exposure: Exposure, sensors: Sequence[Sensor], illumination_lux: float
     ) -> Mapping[str, str]:
-        """See `SceneBase.not_shown`."""
         reasons: dict[str, str] = {}
         for camera in rig.cameras:
             reasons |= shown_of(camera, self._camera, rig.cameras[0].agent_from_camera[:3, 3])

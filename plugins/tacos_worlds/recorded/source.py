@@ -30,7 +30,7 @@ class Source:
     mosaic
         Period of its colour filters [px]: 2 for Bayer, each cell a pixel of three colours, 1 for none.
     red_first
-        Whether the first sample that is not green is red.
+        True if the first sample that is not green is red.
     black_dn
         Pedestal in the linear samples [DN].
     fall_off
@@ -130,13 +130,7 @@ class Source:
         return light if self.fall_off is None else np.asarray(light / self.fall_off[..., None], np.float32)
 
     def variance(self, name: str, light: Light) -> Light:
-        """Of the noise in light of one frame [(DN/ms)^2].
-
-        Parameters
-        ----------
-        light
-            (H, W, C) [DN/ms].
-        """
+        """Of the noise in light of one frame [(DN/ms)^2]. `light`: (H, W, C) [DN/ms]."""
         passed = 1.0 if self.fall_off is None else self.fall_off[..., None]
         return self._variance(name, light, passed)
 

@@ -24,10 +24,7 @@ _OUTSIDE_PX = 0.6
 def shown_of(camera: Camera, source: Camera, place_m: NDArray[np.float64]) -> dict[str, str]:
     """Why an image of the source does not show what a camera sees: a word or two -> a sentence.
 
-    Parameters
-    ----------
-    place_m
-        (3,) where the recording was taken, which is the place of the rig's first camera [m].
+    `place_m`: (3,) where the recording was taken, which is the place of the rig's first camera [m].
     """
     reasons = {}
     beside_m = float(np.linalg.norm(camera.agent_from_camera[:3, 3] - place_m))
@@ -67,12 +64,8 @@ def _border(camera: Camera) -> NDArray[np.float64]:
 class Shares:
     """How the pixels of a camera are made of those of the source.
 
-    Parameters
-    ----------
-    light
-        (camera's pixels, source's pixels) shares of light.
-    noise
-        The same of the variance of noise that is not shared by pixels.
+    `light`: (camera's pixels, source's pixels) shares of light. `noise`: the same of the variance of noise
+    that is not shared by pixels.
     """
 
     light: csr_array

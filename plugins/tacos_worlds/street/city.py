@@ -83,13 +83,7 @@ class Town:
 
 
 def draw_town(rng: np.random.Generator, *, blocks: int, reach_m: float) -> Town:
-    """A random town around the origin.
-
-    Parameters
-    ----------
-    blocks
-        Blocks between streets along each axis.
-    """
+    """A random town around the origin. `blocks`: blocks between streets along each axis."""
 
     def positions() -> tuple[float, ...]:
         gaps = rng.uniform(*_BLOCK_M, blocks)
@@ -114,7 +108,7 @@ class Kerb:
     length_m
         Between the rounded corners [m].
     inner
-        Whether it lies between two crossings, where the car may drive.
+        True if it lies between two crossings, where the car may drive.
     """
 
     start_m: tuple[float, float]

@@ -45,8 +45,6 @@ def populated(
         (N, 2) places that the agent passes [m].
     people
         How many there should be, standing and walking.
-    duration_s
-        How long they walk [s].
     driving
         How many cars drive, which count too.
 

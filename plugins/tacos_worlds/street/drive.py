@@ -34,12 +34,7 @@ _HEADINGS = ((1, 0), (0, 1), (-1, 0), (0, -1))
 class Way:
     """A line through the town, in steps of equal length.
 
-    Parameters
-    ----------
-    points_m
-        (N, 2) [m].
-    heading_rad
-        (N,) continuous [rad].
+    `points_m`: (N, 2) [m]. `heading_rad`: (N,) continuous [rad].
     """
 
     points_m: NDArray[np.float64]

@@ -69,10 +69,7 @@ _VARIANTS = 3
 class StreetTextures:
     """The textures of one town, each synthesised on first use from its own stream of random numbers.
 
-    Parameters
-    ----------
-    largest_px
-        Edge of the largest ones, a power of two; the others are smaller in proportion [px].
+    `largest_px`: edge of the largest ones, a power of two; the others are smaller in proportion [px].
     """
 
     def __init__(self, rng: np.random.Generator, largest_px: int = LARGEST_PX) -> None:

@@ -28,7 +28,7 @@ class _Side:
     length_m
         From end to end [m].
     corner_left, corner_right
-        Whether its ends stand at street corners.
+        True if its ends stand at street corners.
     """
 
     origin_m: tuple[float, float]

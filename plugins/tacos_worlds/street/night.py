@@ -29,15 +29,7 @@ _ROWS = 256
 
 
 def draw_dark_sky(rng: np.random.Generator, *, light: str, clouds: float) -> Daylight:
-    """The sky without a sun.
-
-    Parameters
-    ----------
-    light
-        ``dusk`` or ``night``.
-    clouds
-        Cover, from 0 for a clear sky to 1 [1].
-    """
+    """The sky without a sun. `clouds`: Cover, from 0 for a clear sky to 1 [1]."""
     shape = _sky(rng, dusk=light == "dusk", clouds=clouds)
     mean = cosine_mean(shape)
     factor = SKY_LUX[light] / math.pi / float(photopic(mean))

@@ -23,12 +23,8 @@ def panel(
 ) -> Mesh:
     """A rectangle from `origin_m` along two vectors, facing u x v.
 
-    Parameters
-    ----------
-    u, v
-        Texture coordinates at the two ends of each edge; metres along it from 0 where left out.
-    step_m
-        Greatest edge of its cells [m].
+    `u`, `v`: texture coordinates at the two ends of each edge; metres along it from 0 where left out.
+    `step_m`: greatest edge of its cells [m].
     """
     origin, along_u, along_v = (np.asarray(a, dtype=np.float64) for a in (origin_m, u_m, v_m))
     lengths = float(np.linalg.norm(along_u)), float(np.linalg.norm(along_v))

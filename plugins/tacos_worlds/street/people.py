@@ -34,12 +34,8 @@ _TRIES = 12
 class Pedestrian:
     """Somebody on a pavement.
 
-    Parameters
-    ----------
-    piece
-        The person where he or she rests.
-    trajectory
-        From there to where the person is; None for those who stand.
+    `piece`: the person where he or she rests. `trajectory`: from there to where the person is; None for those
+    who stand.
     """
 
     piece: Piece
@@ -51,12 +47,7 @@ def draw_pedestrians(
 ) -> list[Pedestrian]:
     """Up to `count` people on the pavements behind some kerbs.
 
-    Parameters
-    ----------
-    taken
-        Footprints of what stands on the pavements [m].
-    duration_s
-        How long they have to walk [s].
+    `taken`: footprints of what stands on the pavements [m]. `duration_s`: how long they have to walk [s].
     """
     found: list[Pedestrian] = []
     ways: list[Rect] = []

@@ -34,8 +34,6 @@ class StreetScene:
     carrier: ClassVar[str] = "car"
 
     class Config(CarriedSettings):
-        """Settings of the scene."""
-
         blocks: int = setting(
             3, help="Blocks between streets along each axis; the car drives around them.", ge=1, le=4
         )
@@ -91,17 +89,13 @@ class StreetScene:
 
     @property
     def moves(self) -> str:
-        """How its cameras move."""
         return motion_words(self.config, self.config.speed_m_s)
 
     def episode(self, *, rng: np.random.Generator, illumination_lux: float) -> Episode:
         """A new town and a drive through it.
 
-        Parameters
-        ----------
-        illumination_lux
-            Mean illuminance on a plane 1 m above the streets between the outermost crossings, in sun and
-            shadow; at dusk and by night above those that the car comes by [lux].
+        `illumination_lux`: mean illuminance on a plane 1 m above the streets between the outermost crossings,
+        in sun and shadow; at dusk and by night above those that the car comes by [lux].
         """
         # Late: what builds worlds takes a while to import, and checking a recipe builds none.
         from tacos_worlds.kit.sky import draw_daylight

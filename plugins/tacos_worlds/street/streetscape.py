@@ -66,7 +66,7 @@ def furnish_town(
     parked_share
         Share of the parking lots that are taken [1].
     dark
-        Whether lamps and windows are lit.
+        True if lamps and windows are lit.
     """
     block_rng, kerb_rng, park_rng = rng.spawn(3)
     placed = [PlacedPiece(piece) for piece in roads(town)]

@@ -34,12 +34,7 @@ Line = tuple[NDArray[np.float64], NDArray[np.float64]]
 class Driver:
     """A car that drives along one street again and again.
 
-    Parameters
-    ----------
-    piece
-        The car where it rests: at the beginning of its lane.
-    trajectory
-        From there to where it is.
+    `piece`: the car where it rests: at the beginning of its lane. `trajectory`: from there to where it is.
     """
 
     piece: Piece
@@ -125,7 +120,7 @@ def _too_close(
     others: NDArray[np.float64],
     facing: NDArray[np.float64],
 ) -> bool:
-    """Whether two cars ever meet."""
+    """True if two cars ever meet."""
     apart = others - places
 
     def within(heading: NDArray[np.float64]) -> NDArray[np.bool_]:

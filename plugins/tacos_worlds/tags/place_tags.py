@@ -33,8 +33,6 @@ class PlaceTags:
     """
 
     class Config(Settings):
-        """Settings of the transform."""
-
         family: Family = setting("apriltag_36h11", help="Family of the markers, in OpenCV's drawing.")
         count: int = setting(12, help="Markers hung, at most as many as the family has.", ge=1, le=200)
         size_m: float = setting(
@@ -46,7 +44,6 @@ class PlaceTags:
         self.config = config
 
     def transform(self, episode: Episode, *, memory: dict[str, Any]) -> Episode:
-        """The same trip through the world with markers."""
         if "world" not in memory:
             memory["world"] = self._hung(episode)
         return replace(episode, world=memory["world"])

@@ -36,13 +36,9 @@ def share_of_pictures(
 
     Parameters
     ----------
-    term
-        The effect of it.
     rivals
         Explanations with another effect in its place. Each also stands with that effect's initial guesses,
         as its fit may have gone astray.
-    seed
-        Seeds the resampling of tiles.
 
     Returns
     -------

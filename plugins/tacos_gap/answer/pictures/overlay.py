@@ -21,12 +21,7 @@ BORDER_PX = 4
 class Overlay:
     """A picture in the pixels of another.
 
-    Parameters
-    ----------
-    image
-        (H, W) float32 the moved picture.
-    inside
-        (H, W) bool where it is known.
+    `image`: (H, W) float32 the moved picture. `inside`: (H, W) bool where it is known.
     """
 
     image: NDArray[np.float32]
@@ -38,10 +33,7 @@ def laid_over(picture: NDArray[np.float32], onto: NDArray[np.float32]) -> Overla
 
     Gains and offsets do not matter.
 
-    Parameters
-    ----------
-    picture, onto
-        (H, W) float32 of any unit.
+    `picture`, `onto`: (H, W) float32 of any unit.
     """
     import cv2
 
@@ -60,6 +52,5 @@ def laid_over(picture: NDArray[np.float32], onto: NDArray[np.float32]) -> Overla
 
 
 def _unit(image: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Over its range, as the alignment counts its convergence."""
     low, high = float(image.min()), float(image.max())
     return np.ascontiguousarray((image - low) / max(high - low, 1e-6), np.float32)

@@ -38,13 +38,7 @@ class Bracket:
 
 
 def measure_bracket(captures: Sequence[RealCapture]) -> Bracket:
-    """Response and light of captures of one view that differ in their exposure time alone.
-
-    Parameters
-    ----------
-    captures
-        Two or more, of equal size.
-    """
+    """Response and light of captures of one view that differ in their exposure time alone."""
     black = captures[0].context.black_level_dn
     span = captures[0].context.white_level_dn - black
     codes = [(each.real_dn.mean(axis=0) - black) / span for each in captures]

@@ -37,8 +37,6 @@ class ChartLight:
 
     Parameters
     ----------
-    white_dn
-        (3,) linear file values above the pedestal that a patch reflecting everything would give [DN].
     slope
         Of the logarithm of code against that of reflectance: 1 for a linear camera, about .45 for pictures
         made for a display.
@@ -103,8 +101,6 @@ def light_on(
 
     Parameters
     ----------
-    capture
-        Supplies the levels of the files.
     colours_dn
         (24, 3) what the patches gave above the pedestal [DN].
     errors_dn

@@ -30,12 +30,8 @@ _SAMPLED = 0.5
 class FoundChart:
     """Where a ColorChecker is.
 
-    Parameters
-    ----------
-    patches_px
-        (24, 4, 2) corners of the patches in the order of the chart, dark skin first [px].
-    likeness
-        Correlation of its colours with the reference.
+    `patches_px`: (24, 4, 2) corners of the patches in the order of the chart, dark skin first [px].
+    `likeness`: correlation of its colours with the reference.
     """
 
     patches_px: NDArray[np.float64]
@@ -53,15 +49,7 @@ class FoundChart:
 
 
 def read_as_chart(lattice: Lattice, reference: NDArray[np.float64]) -> FoundChart | None:
-    """The ColorChecker that a lattice is, whichever way it lies; None where its colours are not a chart's.
-
-    Parameters
-    ----------
-    lattice
-        What `find_lattice` found.
-    reference
-        (24, 3) linear colours of the patches, in order.
-    """
+    """The ColorChecker that a lattice is, whichever way it lies; None where its colours are not a chart's."""
     extent = lattice.places.max(axis=0) + 1
     centres = lattice.quads_px.mean(axis=1)
     best: FoundChart | None = None

@@ -51,11 +51,6 @@ def with_own_expectations(
 ) -> tuple[tuple[RealCapture, ...], tuple[str, ...]]:
     """Give captures that lack an expectation the one their own pictures make, by their kind.
 
-    Parameters
-    ----------
-    captures
-        All of a folder, as read.
-
     Returns
     -------
     tuple

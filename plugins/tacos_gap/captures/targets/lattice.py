@@ -22,8 +22,6 @@ class Lattice:
 
     Parameters
     ----------
-    image
-        (H, W, 3) the picture, made smaller.
     scale
         Its size over the picture's.
     quads_px
@@ -41,10 +39,7 @@ class Lattice:
 def find_lattice(rgb: NDArray[np.floating]) -> Lattice | None:
     """The largest lattice of even, four-sided areas; None with fewer than `_FEWEST_PATCHES`.
 
-    Parameters
-    ----------
-    rgb
-        (H, W, 3) values above the pedestal, of any response and white balance.
+    `rgb`: (H, W, 3) values above the pedestal, of any response and white balance.
     """
     scale = min(1.0, _WORKING_PX / max(rgb.shape[:2]))
     whole = np.asarray(rgb, np.float32)

@@ -32,11 +32,6 @@ def pooled_noise(captures: Sequence[RealCapture]) -> Noise | None:
     the pattern of the sensor cancel (EMVA 1288 release 4, 6.6; Janesick 2007, "Photon Transfer"). Signal is
     what lies above the darks, where there are some: the pedestal that is believed may be what is wrong.
 
-    Parameters
-    ----------
-    captures
-        Of one gain; those with two frames or more of something still count.
-
     Returns
     -------
     Noise or None

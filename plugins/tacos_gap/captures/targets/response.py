@@ -63,14 +63,8 @@ def fit_response(
     are gathered by their code in one exposure, and what is fitted is how g departs from the logarithm of the
     code, so that a linear camera is the solution that nothing bends.
 
-    Parameters
-    ----------
-    codes
-        (P,) codes above the pedestal over full scale of the same pixels, one array per exposure.
-    exposures_s
-        Their times [s].
-    usable
-        (P,) for each exposure where a code is neither clipped nor lost in rounding.
+    `codes`: (P,) codes above the pedestal over full scale of the same pixels, one array per exposure.
+    `usable`: (P,) for each exposure where a code is neither clipped nor lost in rounding.
     """
     pairs = [
         pair

@@ -52,10 +52,7 @@ def find_edge(plane: NDArray[np.floating]) -> SlantedEdge | None:
     Crossings of the middle level, row by row or column by column, to a fraction of a pixel, through which a
     line goes that outliers do not pull.
 
-    Parameters
-    ----------
-    plane
-        (H, W) linear values of one channel.
+    `plane`: (H, W) linear values of one channel.
     """
     image = np.asarray(plane, np.float32)
     if min(image.shape) < 16:

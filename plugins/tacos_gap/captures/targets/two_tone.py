@@ -54,14 +54,7 @@ less, and dots of ink would make up those as well."""
 class EvenBlur:
     """A blur that is the same all over a picture.
 
-    Parameters
-    ----------
-    family
-        none, gaussian, disc or line.
-    size_px
-        Standard deviation, radius or length [px].
-    angle_deg
-        Of a line, from x downwards [deg].
+    `family`: none, gaussian, disc or line. `angle_deg`: of a line, from x downwards [deg].
     """
 
     family: str = "none"
@@ -82,12 +75,8 @@ class EvenBlur:
 class Print:
     """Two tones and the blur that made a picture of them.
 
-    Parameters
-    ----------
-    unexplained
-        Share of the picture's variance that the blurred print leaves.
-    ink
-        (H, W) share of each pixel that is ink.
+    `unexplained`: share of the picture's variance that the blurred print leaves. `ink`: (H, W) share of each
+    pixel that is ink.
     """
 
     blur: EvenBlur
@@ -96,13 +85,6 @@ class Print:
 
 
 def with_print(capture: RealCapture) -> RealCapture | None:
-    """The capture with sharp print expected; None where its picture is not one of print.
-
-    Parameters
-    ----------
-    capture
-        With one frame or more of the same, and without an expectation.
-    """
     mean = capture.real_dn.mean(axis=0)
     black = np.float32(capture.context.black_level_dn)
     planes = [np.ascontiguousarray(mean[..., c] - black) for c in range(mean.shape[-1])]
@@ -133,10 +115,7 @@ def darkness(plane: NDArray[np.float32], paper: NDArray[np.float32]) -> NDArray[
 def find_print(dark: NDArray[np.float32]) -> Print | None:
     """The print of which a picture has this darkness; None where two tones do not explain it.
 
-    Parameters
-    ----------
-    dark
-        (H, W) as `darkness` gives it.
+    `dark`: (H, W) as `darkness` gives it.
     """
     if min(dark.shape) < 4 * BORDER_PX:
         return None

@@ -15,12 +15,8 @@ _CELLS_OF_MOSAIC = ((0, 0), (0, 1), (1, 0), (1, 1))
 def level_at(plane: NDArray[np.float32], centre_px: tuple[float, float]) -> float:
     """The level of an even surface at the principal point, where no lens darkens it [DN].
 
-    Parameters
-    ----------
-    plane
-        (H, W) mean of the frames of one channel [DN].
-    centre_px
-        Principal point (x, y) in the files; one outside is brought to the nearest pixel [px].
+    `plane`: (H, W) mean of the frames of one channel [DN]. `centre_px`: principal point (x, y) in the files;
+    one outside is brought to the nearest pixel [px].
     """
     height, width = plane.shape
     x = (float(np.clip(centre_px[0], 0, width - 1)) + 0.5) / width * 2 - 1
@@ -31,12 +27,8 @@ def level_at(plane: NDArray[np.float32], centre_px: tuple[float, float]) -> floa
 def shading(plane: NDArray[np.float32], *, has_defects: bool = True) -> NDArray[np.float32]:
     """(H, W) the smooth part of an even surface's picture, all its noise and patterns left out [DN].
 
-    Parameters
-    ----------
-    plane
-        (H, W) the picture [DN].
-    has_defects
-        Whether single pixels may stand out, which then do not count; noise alone is averaged best as it is.
+    `plane`: (H, W) the picture [DN]. `has_defects`: whether single pixels may stand out, which then do not
+    count; noise alone is averaged best as it is.
     """
     smooth = smooth_terms(plane.shape) @ _shading_of(plane, has_defects)
     return np.asarray(smooth.reshape(plane.shape), np.float32)

@@ -68,7 +68,6 @@ def repeated(light: Capture, frames: int) -> Capture:
 
 
 def velocity_of(velocity_px_s: NDArray[np.float32]) -> NDArray[np.float64]:
-    """(2,) where everything moves alike, else (H, W, 2) of the first frame [px/s]."""
     middle = velocity_px_s.reshape(-1, 2).mean(axis=0, dtype=np.float64)
     alike = np.abs(velocity_px_s - middle).max() <= 1e-3 * max(float(np.abs(middle).max()), 1.0)
     return middle if alike else velocity_px_s[0].astype(np.float64)

@@ -19,20 +19,8 @@ Positive = Annotated[float, Field(gt=0)]
 class BenchShot:
     """One capture to take.
 
-    Parameters
-    ----------
-    id, kind
-        As in ``captures.yaml``.
-    scene
-        What is in front of the camera; None behind the cap.
-    exposure_ms
-        Exposure time [ms].
-    level
-        Signal of the brightest places over full scale at that time [1].
-    group
-        Name of the series it belongs to, if that varies in the exposure time only.
-    level_uncertainty
-        As in ``captures.yaml`` [1].
+    `scene`: what is in front of the camera; None behind the cap. `level`: signal of the brightest places over
+    full scale at that time [1].
     """
 
     id: str
@@ -126,6 +114,5 @@ class BenchSettings(Settings):
         return self
 
     def shots(self) -> Iterator[BenchShot]:
-        """All captures."""
         for capture in self.captures:
             yield from capture.shots()

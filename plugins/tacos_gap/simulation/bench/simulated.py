@@ -58,8 +58,6 @@ class Expected:
         By which the lamp was dimmed to that level [1].
     signal_dn
         (1 or N, H, W, C) noise-free values of the file with the pedestal, not clipped [DN].
-    black_level_dn, white_level_dn
-        Levels of the files [DN].
     """
 
     light: Rendered
@@ -70,20 +68,7 @@ class Expected:
 
 
 class CaptureBench:
-    """A camera on a bench.
-
-    Parameters
-    ----------
-    settings
-        Camera, effects and captures.
-    seed
-        Strews textures and draws noise.
-
-    Raises
-    ------
-    UserError
-        When a component is not there or its settings are wrong.
-    """
+    """A camera on a bench. Raises UserError when a component is not there or its settings are wrong."""
 
     def __init__(self, settings: BenchSettings, plugins: Plugins, seed: int = 0):
         self.settings = settings
@@ -100,7 +85,6 @@ class CaptureBench:
         self._rendered: dict[str, Rendered] = {}
 
     def captures(self) -> Iterator[RealCapture]:
-        """Every capture, one after another."""
         for shot in self.shots.values():
             yield self.capture(shot)
 
@@ -173,7 +157,6 @@ class CaptureBench:
         return self._rendered[key]
 
     def _real_light(self, shot: BenchShot, expected: Expected) -> Rendered:
-        """The scene under the same lamp as reality has it; what no lamp lights looks alike to all."""
         if shot.scene is None or self._reality is None or not expected.light.episode.world.lights:
             return expected.light
         return dimmed(self._render(shot, self._reality), expected.factor)

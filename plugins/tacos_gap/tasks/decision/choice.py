@@ -32,7 +32,6 @@ class Choice:
     decided_by: PairedInterval | None = None
 
     def as_data(self) -> dict[str, Any]:
-        """For ``diagnosis.json``."""
         found = self.decided_by
         compared = {} if found is None else {
             "difference": -found.difference,

@@ -24,19 +24,7 @@ PROBE = ({"use": "effect.exposure-error", "scale": 0.9},)
 
 @dataclass(frozen=True)
 class Question:
-    """A study whose decision is asked for.
-
-    Parameters
-    ----------
-    study
-        Its recipe: a path, or the name of a shipped one.
-    change
-        Keys of it to change.
-    evaluations
-        Evaluations of what each off-the-shelf camera leaves free.
-    design
-        Evaluations to design a camera with; 0 leaves it out.
-    """
+    """A study whose decision is asked for."""
 
     study: str
     change: Mapping[str, Any]
@@ -46,10 +34,7 @@ class Question:
     def plan(self, plugins: Plugins, effects: Sequence[Mapping[str, Any]] = ()) -> Plan:
         """The checked study; tasks that learn keep the weights they were given.
 
-        Raises
-        ------
-        UserError
-            When it is no study, compares no cameras, or a task of it was never trained.
+        Raises UserError when it is no study, compares no cameras, or a task of it was never trained.
         """
         plan = frozen_plan(self.study, self.change, plugins, effects)
         if not plan.cameras and not self.design:
@@ -59,13 +44,7 @@ class Question:
         return plan
 
     def check(self, plugins: Plugins) -> None:
-        """Whether it can be run without and with effects.
-
-        Raises
-        ------
-        UserError
-            As `plan` does.
-        """
+        """Whether it can be run without and with effects. Raises UserError as `plan` does."""
         self.plan(plugins)
         self.plan(plugins, PROBE)
 

@@ -21,8 +21,6 @@ class RankedCameras:
 
     Parameters
     ----------
-    evaluations
-        What each came to on the scenes all of them saw, by name.
     intervals
         Interval of each fitness over scenes; None where there are too few.
     chance_best
@@ -70,12 +68,8 @@ def ranked(
     ----------
     evaluations
         Of each camera, block for block on the same scenes.
-    fitness
-        The weighted sum of scores.
     error
         Share of studies in which an interval may miss the truth.
-    seed
-        Seeds the resampling of scenes.
     comparisons, reference
         As in `RankedCameras`.
     """

@@ -20,16 +20,12 @@ class Acquisition:
 
     Parameters
     ----------
-    id, kind
-        Its name and kind in ``captures.yaml``.
     shots
         One, or one per frame of a sequence.
     frames
         Frames of the one shot; 1 for a sequence, whose shots have one each.
     group
         Captures that vary in exposure alone.
-    chart, board
-        What is shown, where the simulator describes it.
     """
 
     id: str
@@ -80,7 +76,6 @@ def smallest(camera: IdealCamera, rng: np.random.Generator) -> list[Acquisition]
 
 
 def darks(camera: IdealCamera, times_ms: Sequence[float], frames: int = 4) -> Iterator[Acquisition]:
-    """The cap on."""
     for i, time in enumerate(times_ms):
         yield Acquisition(f"dark_{i}", "dark", (IdealShot(camera, dark, time),), frames)
 
@@ -88,7 +83,6 @@ def darks(camera: IdealCamera, times_ms: Sequence[float], frames: int = 4) -> It
 def flats(
     camera: IdealCamera, rng: np.random.Generator, levels: Sequence[float], frames: int = 4
 ) -> Iterator[Acquisition]:
-    """Even fields."""
     for i, level in enumerate(levels):
         look = flat_scenes.even(camera, level * float(rng.uniform(0.9, 1.1)))
         yield Acquisition(f"flat_{i}", "flat", (IdealShot(camera, look, 10.0),), frames)
@@ -113,7 +107,6 @@ def edge(camera: IdealCamera, rng: np.random.Generator) -> Acquisition:
 def boards(
     camera: IdealCamera, rng: np.random.Generator, views: int, tilt_deg: float = 30.0
 ) -> Iterator[Acquisition]:
-    """Views of a chessboard."""
     for i in range(views):
         seen = flat_scenes.board(camera, rng, tilt_deg)
         yield Acquisition(
@@ -122,7 +115,6 @@ def boards(
 
 
 def chart(camera: IdealCamera, rng: np.random.Generator) -> Acquisition:
-    """A chart of patches."""
     shown = flat_scenes.chart(camera, rng)
     return Acquisition("chart_0", "chart", (IdealShot(camera, shown.picture, 10.0),), 2, chart=shown)
 
@@ -140,7 +132,6 @@ def scenes(
 def sequences(
     camera: IdealCamera, rng: np.random.Generator, count: int, frames: int = 3
 ) -> Iterator[Acquisition]:
-    """Scenes that pass by."""
     for i in range(count):
         look = flat_scenes.natural(camera, rng)
         speed, angle = float(rng.uniform(250, 450)), float(rng.uniform(0, 2 * np.pi))

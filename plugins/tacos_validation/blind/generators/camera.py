@@ -20,14 +20,8 @@ class IdealCamera:
 
     Parameters
     ----------
-    width_px, height_px
-        Size of the files [px].
-    focal_px
-        Focal length [px].
     channels
         1 or 3.
-    black_dn, white_dn
-        Pedestal and full scale [DN].
     photon_dn
         Digital numbers per electron, so also the variance per DN of signal [DN].
     thermal_dn2
@@ -74,18 +68,8 @@ Look = Callable[[Image, Image, int], Image]
 class IdealShot:
     """One exposure of a view.
 
-    Parameters
-    ----------
-    look
-        What is before it, at the exposure of the shot.
-    exposure_ms
-        Exposure time [ms].
-    velocity_px_s
-        Motion in the image [px/s].
-    depth_m
-        Distance of what is seen [m].
-    has_pose
-        Whether the simulator claims to know the pose; of a board it does not.
+    `look`: what is before it, at the exposure of the shot. `has_pose`: whether the simulator claims to know
+    the pose; of a board it does not.
     """
 
     camera: IdealCamera
@@ -97,5 +81,4 @@ class IdealShot:
 
 
 def dark(x: Image, y: Image, channel: int) -> Image:
-    """The lens cap."""
     return np.zeros_like(x)

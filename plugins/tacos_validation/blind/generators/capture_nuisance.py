@@ -18,16 +18,12 @@ class CaptureNuisance:
 
     Parameters
     ----------
-    shift_px, turn_deg
-        Of the camera, in its image [px, deg].
     gain, slope
         Of the light: a factor, and relative slopes over the width, the height and the diagonals.
     expected_frames
         Noisy frames behind the expectation; 0 for a noiseless one.
     defocus_px
         Radius of a disc [px].
-    file_quality
-        Of JPEG files; None for PNG.
     """
 
     shift_px: tuple[float, float] = (0.0, 0.0)
@@ -40,7 +36,6 @@ class CaptureNuisance:
     file_quality: int | None = None
 
     def real(self, shot: IdealShot) -> IdealShot:
-        """The shot as it is really taken."""
         look = shot.look
         if shot.has_pose and (any(self.shift_px) or self.turn_deg):
             look = _OffPlace(look, shot.camera, self)

@@ -30,10 +30,8 @@ class Withheld:
         none.
     largest
         Amplitude beyond which no camera is shipped.
-    colour
-        Whether it needs three channels.
     natural
-        Whether pictures of natural scenes alone can tell it: no dark frames, no exposure series, no boards.
+        True if pictures of natural scenes alone can tell it: no dark frames, no exposure series, no boards.
     """
 
     build: Build

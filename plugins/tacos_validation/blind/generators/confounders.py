@@ -18,16 +18,7 @@ Make = Callable[[IdealCamera, np.random.Generator], list[Acquisition]]
 class Pair:
     """Two effects that few captures cannot tell apart.
 
-    Parameters
-    ----------
-    truth
-        The one that is there.
-    other
-        The one that looks like it.
-    few
-        Captures that leave them alike.
-    split
-        Captures that tell them apart, beside the few.
+    `few`: captures that leave them alike. `split`: captures that tell them apart, beside the few.
     """
 
     truth: str

@@ -23,19 +23,14 @@ SOFTNESS_PX = 0.6
 class FlatScene:
     """A flat picture before the camera, finer and wider than the image, sampled by cubic splines.
 
-    Parameters
-    ----------
-    coefficients
-        (C, h, w) spline coefficients of the light [DN above the pedestal].
-    origin_px
-        Pixel of the image at which its first sample lies.
+    `coefficients`: (C, h, w) spline coefficients of the light [DN above the pedestal]. `origin_px`: pixel of
+    the image at which its first sample lies.
     """
 
     coefficients: Image
     origin_px: tuple[float, float]
 
     def __call__(self, x: Image, y: Image, channel: int) -> Image:
-        """The light at pixels of the ideal camera."""
         where = (
             (y - self.origin_px[1]) * OVERSAMPLING,
             (x - self.origin_px[0]) * OVERSAMPLING,
@@ -44,7 +39,6 @@ class FlatScene:
         return np.maximum(ndimage.map_coordinates(plane, where, order=3, mode="mirror", prefilter=False), 0.0)
 
     def scaled(self, factor: float) -> FlatScene:
-        """The same at another exposure."""
         return FlatScene(self.coefficients * factor, self.origin_px)
 
 
@@ -75,7 +69,6 @@ class Even:
     light_dn: float
 
     def __call__(self, x: Image, y: Image, channel: int) -> Image:
-        """The light at pixels of the ideal camera."""
         return np.full(x.shape, self.light_dn)
 
 
@@ -127,12 +120,8 @@ def edges(camera: IdealCamera, rng: np.random.Generator) -> FlatScene:
 class Chart:
     """A chart of even patches.
 
-    Parameters
-    ----------
-    boxes
-        (P, 4) x, y, width, height in the image [px].
-    colours
-        (P, 3) expected light, above the pedestal [DN].
+    `boxes`: (P, 4) x, y, width, height in the image [px]. `colours`: (P, 3) expected light, above the
+    pedestal [DN].
     """
 
     picture: FlatScene
@@ -176,12 +165,7 @@ def chart(camera: IdealCamera, rng: np.random.Generator) -> Chart:
 class Checkers:
     """A chessboard of which `columns` x `rows` inner corners are seen, on a pale ground.
 
-    Parameters
-    ----------
-    rotation
-        (3, 3) board to camera.
-    shift_mm
-        (3,) its centre before the camera [mm].
+    `rotation`: (3, 3) board to camera. `shift_mm`: (3,) its centre before the camera [mm].
     """
 
     camera: IdealCamera

@@ -30,18 +30,7 @@ def write_folder(
 ) -> None:
     """Take all pictures with the camera with its effects and write them beside what the simulator expects.
 
-    Parameters
-    ----------
-    camera
-        As the simulator believes it.
-    effects
-        What is wrong with the camera.
-    rng
-        Draws what differs from frame to frame.
-    sensor_seed
-        Draws what belongs to the individual sensor.
-    off
-        What is off in single captures, by their id; nothing by default.
+    `off`: what is off in single captures, by their id; nothing by default.
     """
     folder.mkdir(parents=True)
     captures = [

@@ -49,7 +49,6 @@ class InjectedLensDistortion(InjectedEffect):
     p2: float = 0.0
 
     def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
-        """From where the lens puts a point to where a pinhole would."""
         f = shot.camera.focal_px
         cx, cy = shot.camera.centre_px
         put = (x - cx) / f + 1j * (y - cy) / f
@@ -76,7 +75,6 @@ class InjectedFocalLengthError(InjectedEffect):
     dy_px: float = 0.0
 
     def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
-        """Through the pinhole and back."""
         cx, cy = shot.camera.centre_px
         f = shot.camera.focal_px
         tan_x = (x - cx - self.dx_px) / (f * self.scale)
@@ -98,7 +96,6 @@ class InjectedPoseError(InjectedEffect):
     tz: float = 0.0
 
     def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
-        """Points where rays of the real camera meet the plane, as the believed camera sees it."""
         if not shot.has_pose:
             return x, y
         f, (cx, cy) = shot.camera.focal_px, shot.camera.centre_px
@@ -122,6 +119,5 @@ class InjectedRollingShutter(InjectedEffect):
     row_time_us: float = 0.0
 
     def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
-        """Source pixels when moving things have gone on by the time a row is read."""
         later_s = row * self.row_time_us * 1e-6
         return x - shot.velocity_px_s[0] * later_s, y - shot.velocity_px_s[1] * later_s

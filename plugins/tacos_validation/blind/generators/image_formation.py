@@ -38,12 +38,7 @@ def take(
 ) -> Image:
     """Frames of the camera with injected effects, (N, H, W, C) whole numbers [DN].
 
-    Parameters
-    ----------
-    rng
-        Draws what differs from frame to frame.
-    sensor_seed
-        Draws what belongs to the individual sensor.
+    `rng`: draws what differs from frame to frame. `sensor_seed`: draws what belongs to the individual sensor.
     """
     ordered = sorted(effects, key=lambda f: f.order)
     camera = shot.camera

@@ -22,7 +22,6 @@ class InjectedIlluminationGradient(InjectedEffect):
     gy: float = 0.0
 
     def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
-        """Multiply by a plane."""
         x, y = shot.camera.grid(pad)
         cx, cy = shot.camera.centre_px
         plane = 1 + self.gx * (x - cx) / shot.camera.width_px + self.gy * (y - cy) / shot.camera.height_px
@@ -38,7 +37,6 @@ class InjectedDefocus(InjectedEffect):
     radius_px: float = 0.0
 
     def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
-        """Filter in the frequency domain."""
         height, width = light.shape[:2]
         v = fft.fftfreq(height)[:, None]
         u = fft.rfftfreq(width)[None, :]
@@ -88,7 +86,6 @@ class InjectedVeilingGlare(InjectedEffect):
     share: float = 0.0
 
     def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
-        """Take from each pixel, give to all."""
         inner = light[pad : light.shape[0] - pad, pad : light.shape[1] - pad]
         return light + self.share * (inner.mean(axis=(0, 1)) - light)
 
@@ -104,7 +101,6 @@ class InjectedVignetting(InjectedEffect):
     k3: float = 0.0
 
     def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
-        """By Horner's rule in the squared radius."""
         s = shot.camera.squared_radius(pad)
         fall = 1 + s * (self.k1 + s * (self.k2 + s * self.k3))
         return light * np.maximum(fall, 0)[..., None]
@@ -120,7 +116,6 @@ class InjectedMotionBlur(InjectedEffect):
     angle_deg: float = 0.0
 
     def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
-        """Sum spectra turned by each moment's shift."""
         height, width = light.shape[:2]
         v = fft.fftfreq(height)[:, None]
         u = fft.rfftfreq(width)[None, :]
@@ -143,7 +138,6 @@ class InjectedExposureError(InjectedEffect):
     scale: float = 1.0
 
     def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
-        """Scale."""
         return light * self.scale
 
 

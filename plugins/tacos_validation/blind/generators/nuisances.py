@@ -37,8 +37,6 @@ class Nuisance:
 
     Parameters
     ----------
-    shift_px, turn_deg
-        The camera stands and looks otherwise than the expectation was rendered for [px, deg].
     lamp
         The light is off by this share, and uneven; declared as ``level_uncertainty``.
     expected_frames
@@ -46,11 +44,11 @@ class Nuisance:
     defocus_px
         Radius of the disc by which the focus is off [px].
     pedestal
-        Whether files have one.
+        True if files have one.
     file_quality
         Files are JPEG, between these qualities; None for PNG.
     pipeline
-        Whether the camera processes its pictures, by `PIPELINE`, for all captures alike.
+        True if the camera processes its pictures, by `PIPELINE`, for all captures alike.
     may_be_called
         Effects that an answer may name for it, beside what is withheld.
     veils
@@ -70,7 +68,6 @@ class Nuisance:
 
     @property
     def effects(self) -> tuple[str, ...]:
-        """Effects of the catalogue that it consists of."""
         return PIPELINE if self.pipeline else ()
 
     def bears(self, effects: Collection[str]) -> tuple[str, ...]:
@@ -108,12 +105,10 @@ NUISANCES: Mapping[str, Nuisance] = {
 
 
 def without_pedestal(camera: IdealCamera, nuisance: Nuisance) -> IdealCamera:
-    """The camera with the pedestal that the nuisance leaves it."""
     return camera if nuisance.pedestal else replace(camera, black_dn=0.0)
 
 
 def pipeline_of(nuisance: Nuisance, rng: np.random.Generator) -> tuple[InjectedEffect, ...]:
-    """Effects of the camera on all of its pictures."""
     if not nuisance.pipeline:
         return ()
     return (

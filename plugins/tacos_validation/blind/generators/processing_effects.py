@@ -26,7 +26,6 @@ class InjectedShadingCorrection(InjectedEffect):
     k2: float = 0.0
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """Multiply what is above the pedestal."""
         s = shot.camera.squared_radius()[..., None]
         black = shot.camera.black_dn
         return black + (codes - black) * (1 + s * (self.k1 + s * self.k2))
@@ -42,7 +41,6 @@ class InjectedWhiteBalance(InjectedEffect):
     blue: float = 1.0
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """Multiply what is above the pedestal."""
         black = shot.camera.black_dn
         return black + (codes - black) * np.array([self.red, 1.0, self.blue])
 
@@ -56,7 +54,6 @@ class InjectedDemosaicing(InjectedEffect):
     method: str = "bilinear"
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """Sample red, green, green, blue, and fill in."""
         raw = codes[..., 1].copy()
         raw[0::2, 0::2] = codes[0::2, 0::2, 0]
         raw[1::2, 1::2] = codes[1::2, 1::2, 2]
@@ -96,7 +93,6 @@ class InjectedColourMatrix(InjectedEffect):
     matrix: tuple[tuple[float, ...], ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """Mix what is above the pedestal."""
         black = shot.camera.black_dn
         return np.asarray(black + np.einsum("ij,hwj->hwi", np.array(self.matrix), codes - black))
 
@@ -110,7 +106,6 @@ class InjectedToneCurve(InjectedEffect):
     gamma: float = 1.0
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """Look each code up in a table."""
         black, span = shot.camera.black_dn, shot.camera.range_dn
         signal = (np.arange(int(shot.camera.white_dn) + 1) - black) / span
         table: NDArray[np.float64] = black + span * np.sign(signal) * np.abs(signal) ** self.gamma
@@ -127,7 +122,6 @@ class InjectedSharpening(InjectedEffect):
     radius_px: float = 1.0
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """Add what a blur takes away."""
         soft = ndimage.gaussian_filter(codes, (self.radius_px, self.radius_px, 0), truncate=5)
         return codes + self.amount * (codes - soft)
 
@@ -142,7 +136,6 @@ class InjectedJpeg(InjectedEffect):
     subsampling: str = "4:2:0"
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """There and back."""
         pixels = codes.astype(np.uint8)
         file = io.BytesIO()
         grey = pixels.shape[2] == 1

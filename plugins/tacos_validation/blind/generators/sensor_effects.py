@@ -20,7 +20,6 @@ class InjectedConversionGainError(InjectedEffect):
 
     @property
     def photon_factor(self) -> float:
-        """See `InjectedEffect`."""
         return self.scale
 
 
@@ -33,7 +32,6 @@ class InjectedPrnu(InjectedEffect):
     sigma: float = 0.0
 
     def charge(self, mean: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """Multiply by the sensor's own pattern."""
         return mean * np.maximum(sensor.normal(1.0, self.sigma, size=mean.shape), 0)
 
 
@@ -63,7 +61,6 @@ class InjectedDsnu(InjectedEffect):
     column_sigma_dn: float = 0.0
 
     def charge(self, mean: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """Add the sensor's own patterns."""
         pixels = sensor.normal(0.0, self.sigma_dn, size=mean.shape)
         columns = sensor.normal(0.0, self.column_sigma_dn, size=(1, mean.shape[1], 1))
         return mean + pixels + columns
@@ -80,7 +77,6 @@ class InjectedDefectLines(InjectedEffect):
     rows: int = 1
 
     def charge(self, mean: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """Add the offset to lines drawn for the sensor."""
         height, width = mean.shape[:2]
         bad = np.zeros((height, width), bool)
         bad[:, sensor.choice(width, self.columns, replace=False)] = True
@@ -102,7 +98,6 @@ class InjectedCrosstalk(InjectedEffect):
     share: float = 0.0
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
-        """Give to eight neighbours, take from eight."""
         height, width = samples.shape[:2]
         wide = np.pad(samples, ((1, 1), (1, 1), (0, 0)), mode="edge")
         around = sum(wide[i : i + height, j : j + width] for i in range(3) for j in range(3)) - samples
@@ -118,7 +113,6 @@ class InjectedSaturation(InjectedEffect):
     level_dn: float = 255.0
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
-        """Cut off."""
         return np.where(samples > self.level_dn, self.level_dn, samples)
 
 
@@ -132,7 +126,6 @@ class InjectedNonlinearity(InjectedEffect):
     a3: float = 0.0
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
-        """Evaluate the polynomial of the share of full scale."""
         camera = shot.camera
         response = np.polynomial.Polynomial([0.0, 1.0, self.a2, self.a3])
         return camera.black_dn + camera.range_dn * np.asarray(
@@ -149,7 +142,6 @@ class InjectedReadNoise(InjectedEffect):
     sigma_dn: float = 0.0
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
-        """Add it."""
         return samples + rng.normal(0.0, self.sigma_dn, size=samples.shape)
 
 
@@ -163,7 +155,6 @@ class InjectedRowNoise(InjectedEffect):
     column_sigma_dn: float = 0.0
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
-        """Add one number per row and one per column."""
         height, width = samples.shape[:2]
         rows = rng.normal(0.0, self.sigma_dn, size=(height, 1, 1))
         return samples + rows + rng.normal(0.0, self.column_sigma_dn, size=(1, width, 1))
@@ -178,7 +169,6 @@ class InjectedBlackLevelError(InjectedEffect):
     offset_dn: float = 0.0
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
-        """Shift."""
         return samples + self.offset_dn
 
 
@@ -192,6 +182,5 @@ class InjectedQuantisation(InjectedEffect):
     rounding: str = "nearest"
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
-        """Count whole steps."""
         half = 0.5 if self.rounding == "nearest" else 0.0
         return np.floor(samples / self.step_dn + half) * self.step_dn

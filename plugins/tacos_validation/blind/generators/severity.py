@@ -30,12 +30,7 @@ CLOSE = 0.08
 def families(frames: Image, truth: Image, camera: IdealCamera) -> Iterator[tuple[str, Image, Image | float]]:
     """Name, numbers, and the equivalence margin of each.
 
-    Parameters
-    ----------
-    frames
-        (N, H, W, C) [DN].
-    truth
-        (N, H, W, C) noise-free [DN].
+    `frames`: (N, H, W, C) [DN]. `truth`: (N, H, W, C) noise-free [DN].
     """
     residual = frames - truth
     signal = _tiled(truth.mean(axis=0)).mean(axis=1) - camera.black_dn
@@ -91,10 +86,7 @@ def _tiled(image: Image) -> Image:
 class NoiseFloor:
     """The ideal camera against itself, over the acquisitions of a case.
 
-    Parameters
-    ----------
-    acquisitions
-        The captures; boards count for nothing here.
+    `acquisitions`: the captures; boards count for nothing here.
     """
 
     def __init__(self, acquisitions: Sequence[Acquisition], camera: IdealCamera, seed: int):
@@ -117,7 +109,6 @@ class NoiseFloor:
 
     @property
     def measures(self) -> bool:
-        """True if any capture but boards is there to measure by."""
         return bool(self._clean)
 
     def severity(self, effects: Sequence[InjectedEffect]) -> float:
@@ -149,7 +140,6 @@ class NoiseFloor:
 
 
 def _spread(draws: Sequence[Image]) -> float:
-    """Mean variance over draws."""
     return float(np.mean(np.var(draws, axis=0, ddof=1)))
 
 

@@ -37,26 +37,14 @@ class CaseSpecification:
 
     Parameters
     ----------
-    seed
-        Draws everything in it.
-    tier
-        ``T0`` to ``T7``.
-    effects
-        What is withheld; nothing in T0.
     severity
         In units of the noise floor; None draws amplitudes as met in the field.
-    captures
-        Name of a set of captures.
-    width_px, height_px
-        Size of the files.
     removed
         Effects that the solver's catalogue lacks.
     variants
         Other makers of an effect than the catalogue's, by name of the effect.
     scored_on_fresh
-        Whether fresh captures are made too.
-    nuisance
-        Name of what is off beside it; empty for nothing.
+        True if fresh captures are made too.
     notes
         Further facts for the report: of a pair, which and whether the splitting capture is there.
     """
@@ -120,7 +108,6 @@ def _captures(spec: CaseSpecification) -> Make:
 
 
 def entry_of(spec: CaseSpecification, effect: str) -> Withheld:
-    """The maker of an effect in a case."""
     variant = spec.variants.get(effect)
     if variant is None:
         return CATALOGUE[effect]
@@ -152,12 +139,7 @@ class Commitment:
     """A hash commitment to a truth: it cannot change unnoticed, as the digest is known before the solver
     starts.
 
-    Parameters
-    ----------
-    case
-        Name of the case.
-    digest
-        SHA-256 of the salt and the truth.
+    `digest`: SHA-256 of the salt and the truth.
     """
 
     case: str
@@ -173,13 +155,7 @@ def commit(case: str, truth: Mapping[str, Any], file: Path) -> Commitment:
 
 
 def reveal(commitment: Commitment, file: Path) -> dict[str, Any]:
-    """The truth behind a commitment.
-
-    Raises
-    ------
-    ValueError
-        When it is not what was committed to.
-    """
+    """The truth behind a commitment. Raises ValueError when it is not what was committed to."""
     content = file.read_text("utf-8")
     if hashlib.sha256(content.encode()).hexdigest() != commitment.digest:
         raise ValueError(f"the truth of case {commitment.case} is not the one that was committed to")
@@ -188,6 +164,5 @@ def reveal(commitment: Commitment, file: Path) -> dict[str, Any]:
 
 
 def make_and_commit(spec: CaseSpecification, cases: Path, truths: Path) -> Commitment:
-    """Make a case and commit to its truth: all that the generator's process does."""
     truth = make(spec, cases / spec.case)
     return commit(spec.case, truth, truths / f"{spec.case}.json")

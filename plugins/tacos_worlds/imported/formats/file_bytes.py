@@ -12,11 +12,5 @@ class Unreadable(ValueError):
 
 
 def file_bytes(file: Path) -> bytes:
-    """All bytes of a regular file.
-
-    Raises
-    ------
-    UserError
-        Where it cannot be read or is too large.
-    """
+    """All bytes of a regular file. Raises UserError where it cannot be read or is too large."""
     return read_bytes(file, "mesh_mb")

@@ -63,10 +63,7 @@ class RecordedPath:
 def read_poses(file: Path) -> RecordedPath:
     """Read a file of poses; the format is told by its numbers.
 
-    Raises
-    ------
-    Unreadable
-        Where no line, or some line, is what one of the formats has.
+    Raises Unreadable where no line, or some line, is what one of the formats has.
     """
     rows: list[list[float]] = []
     commas, names = False, list[str]()

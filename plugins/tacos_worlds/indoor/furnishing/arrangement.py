@@ -18,12 +18,10 @@ class Member:
     ----------
     piece
         The piece, already turned and moved.
-    footprint
-        The floor it takes [m].
     height_m
         Its top above the floor [m].
     blocks
-        Whether it takes floor: false for rugs and for things that stand on others.
+        True if it takes floor: false for rugs and for things that stand on others.
     """
 
     piece: Piece
@@ -33,7 +31,6 @@ class Member:
 
     @property
     def flat(self) -> bool:
-        """Whether it is a rug."""
         return not self.blocks and self.height_m < 0.03
 
 
@@ -88,10 +85,8 @@ def against_wall(thing: Piece, *, gap_m: float = 0.03) -> Member:
 
 
 def alone(thing: Piece, *, gap_m: float = 0.03) -> Arrangement:
-    """A single piece against a wall."""
     return Arrangement((against_wall(thing, gap_m=gap_m),))
 
 
 def together(members: Sequence[Member]) -> Arrangement:
-    """Several pieces."""
     return Arrangement(tuple(members))

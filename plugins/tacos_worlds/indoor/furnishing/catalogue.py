@@ -82,17 +82,13 @@ LONGEST_EDGE_M: Mapping[str, tuple[float, float]] = {
 class Catalogue:
     """Makes furniture by kind: procedural, or from models of the user's own.
 
-    Parameters
-    ----------
-    models
-        For some classes, pieces of the user's own that replace the procedural ones.
+    `models`: for some classes, pieces of the user's own that replace the procedural ones.
     """
 
     def __init__(self, models: Mapping[str, Sequence[Piece]] | None = None) -> None:
         self._models = dict(models or {})
 
     def make(self, kind: str, rng: np.random.Generator, style: Style) -> Piece:
-        """One piece of a kind."""
         class_name, builder = BUILDERS[kind]
         if models := self._models.get(class_name):
             model = models[int(rng.integers(len(models)))]

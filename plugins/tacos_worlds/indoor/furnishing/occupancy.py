@@ -79,7 +79,7 @@ class RoomFloor:
         walkable &= ~self._inside(rect.grown(WALKWAY_M))
 
     def _connected(self, walkable: np.ndarray) -> bool:
-        """Whether all doors lie on one connected piece of free floor, and enough of it is left."""
+        """True if all doors lie on one connected piece of free floor, and enough of it is left."""
         label, count = ndimage.label(walkable)
         if count == 0:
             return False
@@ -121,10 +121,7 @@ class RoomFloor:
     def add_blocking(self, arrangement: Arrangement, *, over: Sequence[Rect]) -> bool:
         """Leave an arrangement where it is, partly over what stands there already, if one can still walk.
 
-        Parameters
-        ----------
-        over
-            Floor that is taken and may be shared.
+        `over`: floor that is taken and may be shared.
         """
         rects = [m.footprint for m in arrangement.members]
         others = [rect for rect in self.taken if rect not in over]
@@ -150,11 +147,9 @@ class RoomFloor:
         return sum(rect.size[0] * rect.size[1] for rect in self.taken) / self.area_m2()
 
     def area_m2(self) -> float:
-        """Area of the floor [m2]."""
         return self.clear.size[0] * self.clear.size[1]
 
     def triangle_count(self) -> int:
-        """Triangles of all that was placed."""
         meshes = (mesh for made in self.placed for m in made.members for mesh, _ in m.piece.parts)
         return sum(len(mesh.triangles) for mesh in meshes)
 

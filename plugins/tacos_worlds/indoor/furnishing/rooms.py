@@ -35,10 +35,6 @@ class Furnisher:
 
     Parameters
     ----------
-    rng
-        The room's stream of random numbers.
-    catalogue
-        Where furniture comes from.
     clutter
         0 for few small things to 1 for many [1].
     lamps_lit
@@ -87,19 +83,15 @@ class Furnisher:
         lay_out(rng, self.floor, self.style, clutter=self.clutter, triangles=triangles)
 
     def make(self, kind: str) -> Piece:
-        """One piece of furniture."""
         return self.catalogue.make(kind, self.rng, self.style)
 
     def at_wall(self, arrangement: Arrangement) -> bool:
-        """Place something with its back to a wall."""
         return self.floor.place_at_wall(self.rng, arrangement, tries=40)
 
     def in_corner(self, kind: str) -> bool:
-        """Place a piece in a corner."""
         return self.floor.place_at_wall(self.rng, alone(self.make(kind), gap_m=0.08), corner=True)
 
     def inside(self, arrangement: Arrangement, spread: float = 0.35) -> bool:
-        """Place something away from the walls."""
         return self.floor.place_inside(self.rng, arrangement, tries=40, spread=spread)
 
     def _switched(self, thing: Piece) -> Piece:

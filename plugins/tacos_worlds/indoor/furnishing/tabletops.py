@@ -44,10 +44,7 @@ def lay_out(
 ) -> None:
     """Put small things on every top of a furnished room, up to a number of triangles.
 
-    Parameters
-    ----------
-    clutter
-        0 for none to 1 for many [1].
+    `clutter`: 0 for none to 1 for many [1].
     """
     on_tops = [m for made in floor.placed for m in made.members]
     found: list[Member] = []

@@ -18,7 +18,6 @@ def bed(rng: np.random.Generator, style: Style) -> Piece:
 
 
 def single_bed(rng: np.random.Generator, style: Style) -> Piece:
-    """A bed for one."""
     return _bed(rng, style, width=float(rng.choice([0.9, 1.0])), pillows=1)
 
 

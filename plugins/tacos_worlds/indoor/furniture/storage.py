@@ -89,21 +89,18 @@ def _book(size_m: tuple[float, float, float], at_m: tuple[float, float, float]) 
 
 
 def wardrobe(rng: np.random.Generator, style: Style) -> Piece:
-    """A wardrobe with two or three doors."""
     doors = int(rng.choice([2, 3]))
     width, depth, height = doors * rng.uniform(0.48, 0.55), rng.uniform(0.55, 0.62), rng.uniform(1.95, 2.2)
     return cupboard(style, width, depth, height, columns=doors, rows=1, plinth=0.07)
 
 
 def sideboard(rng: np.random.Generator, style: Style) -> Piece:
-    """A low cupboard, as one stands a television on."""
     width, depth, height = rng.uniform(1.3, 1.7), rng.uniform(0.38, 0.45), rng.uniform(0.45, 0.6)
     rows = int(rng.choice([1, 2]))
     return _topped(cupboard(style, width, depth, height, columns=3, rows=rows, plinth=0.1))
 
 
 def chest(rng: np.random.Generator, style: Style) -> Piece:
-    """A chest of drawers."""
     width, height = rng.uniform(0.8, 1.1), rng.uniform(0.75, 0.95)
     return _topped(cupboard(style, width, 0.45, height, columns=2, rows=3, plinth=0.08))
 
@@ -116,7 +113,6 @@ def _topped(made: Piece) -> Piece:
 
 
 def fridge(rng: np.random.Generator, style: Style) -> Piece:
-    """A fridge with a freezer below."""
     skin = WHITE_LACQUER if rng.uniform() < 0.5 else STEEL
     height, split = rng.uniform(1.7, 1.9), 0.62
     parts: list[tuple[Mesh, Finish]] = [(box((0.6, 0.58, height), (0, -0.02, 0), bevel_m=0.01), skin)]
@@ -127,7 +123,6 @@ def fridge(rng: np.random.Generator, style: Style) -> Piece:
 
 
 def washing_machine(rng: np.random.Generator, style: Style) -> Piece:
-    """A washing machine with a porthole."""
     parts: list[tuple[Mesh, Finish]] = [(box((0.6, 0.58, 0.85), bevel_m=0.012), WHITE_LACQUER)]
     upright = rotation_x(-math.pi / 2)
     ring = disc_stack([(0.19, 0), (0.19, 0.03), (0.15, 0.035), (0.145, 0.01)], sides=24).rotated(upright)
@@ -141,7 +136,6 @@ def washing_machine(rng: np.random.Generator, style: Style) -> Piece:
 
 
 def laundry_basket(rng: np.random.Generator, style: Style) -> Piece:
-    """A round wicker basket with a lid."""
     height, radius = rng.uniform(0.5, 0.65), rng.uniform(0.2, 0.26)
     profile = [
         (radius * 0.85, 0),

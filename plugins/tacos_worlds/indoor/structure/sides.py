@@ -27,7 +27,7 @@ class Side:
     yaw_rad
         Turns local y into the direction into the room.
     outer
-        Whether the outside lies behind it.
+        True if the outside lies behind it.
     """
 
     x_m: float

@@ -130,7 +130,7 @@ def _curtain(rng: np.random.Generator, start: float, end: float, bottom: float, 
 
 
 def _faces(mesh: Mesh, x: float, z: float) -> bool:
-    """Whether a reveal faces the middle of its hole."""
+    """True if a reveal faces the middle of its hole."""
     towards = np.array([x, 0.0, z]) - mesh.vertices_m.mean(axis=0)
     towards[1] = 0.0
     return float(mesh.normals[0] @ towards) > 0

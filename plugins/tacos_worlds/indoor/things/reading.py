@@ -17,7 +17,6 @@ _INK = Finish("", (0.16, 0.16, 0.17), roughness=0.95)
 
 
 def books(rng: np.random.Generator, style: Style) -> Piece:
-    """A few books on top of each other."""
     parts: list[tuple[Mesh, Finish]] = []
     pages: list[Mesh] = []
     low = 0.0
@@ -36,7 +35,6 @@ def books(rng: np.random.Generator, style: Style) -> Piece:
 
 
 def open_book(rng: np.random.Generator, style: Style) -> Piece:
-    """A book that lies open."""
     halves = [slab((0.14, 0.21, 0.012), (side * 0.07, 0, 0)) for side in (-1, 1)]
     return piece("book", [(merged(halves), _PAGES), (_lines(0.11, 0.17, (-0.07, 0.07), 0.012), _INK)])
 
@@ -53,7 +51,6 @@ def papers(rng: np.random.Generator, style: Style) -> Piece:
 
 
 def remote(rng: np.random.Generator, style: Style) -> Piece:
-    """A remote control."""
     keys = [
         slab((0.007, 0.007, 0.002), (x, y, 0.018)) for x in (-0.012, 0.0, 0.012) for y in (-0.05, -0.02, 0.01)
     ]
@@ -63,7 +60,6 @@ def remote(rng: np.random.Generator, style: Style) -> Piece:
 
 
 def alarm_clock(rng: np.random.Generator, style: Style) -> Piece:
-    """A round clock on two feet, its hands somewhere."""
     upright = rotation_x(-math.pi / 2)
     case = (
         disc_stack([(0.045, -0.03), (0.05, -0.025), (0.05, 0.0)], sides=14)

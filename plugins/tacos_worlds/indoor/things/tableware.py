@@ -15,7 +15,6 @@ _GLASS = Finish("", (0.34, 0.40, 0.42), roughness=0.15)
 
 
 def glaze(rng: np.random.Generator) -> Finish:
-    """White or coloured glaze."""
     if rng.uniform() < 0.45:
         return CERAMIC
     return Finish("glaze", linear(muted(rng, saturation=(0.2, 0.6), value=(0.4, 0.9))), roughness=0.2)
@@ -37,7 +36,6 @@ def mug(rng: np.random.Generator, style: Style) -> Piece:
 
 
 def drinking_glass(rng: np.random.Generator, style: Style) -> Piece:
-    """A tumbler."""
     high, radius = rng.uniform(0.10, 0.14), rng.uniform(0.03, 0.038)
     wall = [(0.8 * radius, 0), (radius, high), (radius - 0.003, high), (0.75 * radius, 0.02)]
     return piece("cup", [(disc_stack(wall, sides=10), _GLASS)])

@@ -22,7 +22,6 @@ _STALK = Finish("", (0.06, 0.16, 0.04), roughness=0.8)
 
 
 def bottle(rng: np.random.Generator, style: Style) -> Piece:
-    """A bottle of wine, oil or water with a label."""
     high, radius = rng.uniform(0.24, 0.33), rng.uniform(0.032, 0.042)
     shape = [
         (0.9 * radius, 0), (radius, 0.008), (radius, 0.58 * high), (0.4 * radius, 0.75 * high),
@@ -35,7 +34,6 @@ def bottle(rng: np.random.Generator, style: Style) -> Piece:
 
 
 def fruit_bowl(rng: np.random.Generator, style: Style) -> Piece:
-    """A bowl with apples, oranges or lemons."""
     radius = rng.uniform(0.11, 0.15)
     bowl = [
         (0.5 * radius, 0),
@@ -60,7 +58,6 @@ def fruit_bowl(rng: np.random.Generator, style: Style) -> Piece:
 
 
 def vase(rng: np.random.Generator, style: Style) -> Piece:
-    """A vase with a bunch of flowers."""
     high, radius = rng.uniform(0.16, 0.26), rng.uniform(0.045, 0.065)
     body = [(0.7 * radius, 0), (radius, 0.4 * high), (0.5 * radius, 0.85 * high), (0.62 * radius, high)]
     stalks, heads = [], []
@@ -79,7 +76,6 @@ def vase(rng: np.random.Generator, style: Style) -> Piece:
 
 
 def kettle(rng: np.random.Generator, style: Style) -> Piece:
-    """An electric kettle."""
     body = [(0.075, 0.02), (0.08, 0.04), (0.06, 0.2), (0.05, 0.215), (0.012, 0.222), (0.012, 0.24)]
     handle = tube([(0.06, 0, 0.19), (0.115, 0, 0.185), (0.12, 0, 0.07), (0.075, 0, 0.05)], 0.009, sides=6)
     spout = tube([(-0.05, 0, 0.15), (-0.088, 0, 0.2)], [0.02, 0.011], sides=6)

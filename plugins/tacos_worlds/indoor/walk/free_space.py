@@ -68,17 +68,10 @@ class FreeSpace:
         ).tocsr()
 
     def nearest(self, point_m: NDArray[np.float64]) -> int:
-        """The allowed cell nearest to a point."""
         return int(np.argmin((((self._cells + 0.5) * CELL_M - point_m) ** 2).sum(axis=1)))
 
     def path(self, start_m: NDArray[np.float64], end_m: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(N, 2) points from start to end [m].
-
-        Raises
-        ------
-        ValueError
-            When there is no way.
-        """
+        """(N, 2) points from start to end [m]. Raises ValueError when there is no way."""
         start, end = self.nearest(start_m), self.nearest(end_m)
         _, before = dijkstra(self._graph, directed=False, indices=np.array([start]), return_predecessors=True)
         cells = [end]

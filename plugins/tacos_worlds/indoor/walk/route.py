@@ -111,7 +111,6 @@ class _Way:
         return door.rooms[1] if door.rooms[0] == room else door.rooms[0]
 
     def wander(self, room: int, places: int) -> None:
-        """Walk to some places inside a room."""
         for _ in range(places):
             leg = _resampled(self._free.path(self._here, self._somewhere(room)))
             self._add(leg, np.arange(len(leg)) == len(leg) - 1)
@@ -119,7 +118,6 @@ class _Way:
             self._heading = onward / max(float(np.linalg.norm(onward)), 1e-9)
 
     def _add(self, leg: NDArray[np.float64], fixed: NDArray[np.bool_]) -> None:
-        """Add a leg that starts where the last one ended."""
         self.legs.append(leg[1:])
         self.fixed.append(fixed[1:])
         self._here = leg[-1]

@@ -31,13 +31,6 @@ _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 class Buffers:
     """The header of a glTF file, and its numbers.
 
-    Parameters
-    ----------
-    content
-        Bytes of a ``.glb`` or ``.gltf`` file.
-    references
-        Where files it names are read through.
-
     Attributes
     ----------
     header
@@ -66,33 +59,29 @@ class Buffers:
         self._buffers: dict[int, memoryview] = {}
 
     def listed(self, name: str) -> list[Json]:
-        """An array of the header; empty where there is none."""
         entries = self.header.get(name, [])
         if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
             raise Damaged(f"{name} is not a list of objects")
         return entries
 
     def entry(self, name: str, index: object) -> Json:
-        """One entry of an array of the header."""
         entries = self.listed(name)
         if not isinstance(index, int) or not 0 <= index < len(entries):
             raise Damaged(f"{name}[{index!r}] does not exist, there are {len(entries)}")
         return entries[index]
 
     def view(self, index: object) -> memoryview:
-        """The bytes of a buffer view."""
         entry = self.entry("bufferViews", index)
         if "EXT_meshopt_compression" in entry.get("extensions", {}):
             raise Damaged("it is compressed by EXT_meshopt_compression: run gltfpack without -c and -cc")
         return _cut(self._buffer(entry.get("buffer")), entry, f"bufferViews[{index}]")
 
     def image(self, index: object) -> bytes:
-        """The encoded bytes of an image."""
         entry = self.entry("images", index)
         return self._at(entry) if "uri" in entry else bytes(self.view(entry.get("bufferView")))
 
     def has_data(self, index: object) -> bool:
-        """Whether an accessor has bytes of its own."""
+        """True if an accessor has bytes of its own."""
         return "bufferView" in self.entry("accessors", index)
 
     def count(self, index: object) -> int:

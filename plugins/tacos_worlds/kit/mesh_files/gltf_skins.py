@@ -24,13 +24,7 @@ _BLACK, _BRIGHT = 0.04, 0.25
 
 
 class Skins:
-    """The materials of a file, each picture decoded once.
-
-    Parameters
-    ----------
-    most_px
-        Longest edge of textures [px].
-    """
+    """The materials of a file, each picture decoded once. `most_px`: longest edge of textures [px]."""
 
     def __init__(self, buffers: Buffers, most_px: int) -> None:
         self._buffers, self._most_px = buffers, most_px

@@ -56,11 +56,11 @@ class MtlMaterial:
     scale, offset
         Of texture coordinates: ``uv * scale + offset`` [1, tiles].
     clamped
-        Whether the texture ends at its edges.
+        True if the texture ends at its edges.
     emission
         Light sent out, in the file's unit.
     masked
-        Whether the alpha of its picture says where it is.
+        True if the alpha of its picture says where it is.
     roughness, metallic
         As Pr and Pm give them, which exporters of physically based materials write [1].
     """
@@ -79,14 +79,8 @@ class MtlMaterial:
 class Library:
     """A library of materials.
 
-    Parameters
-    ----------
-    plain
-        The same text without options before names of pictures.
-    materials
-        By name.
-    notes
-        What is not carried out, each with its effect.
+    `plain`: the same text without options before names of pictures. `notes`: what is not carried out, each
+    with its effect.
     """
 
     plain: str

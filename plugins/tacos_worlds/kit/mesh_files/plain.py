@@ -28,10 +28,7 @@ _PLY_SIZES = {
 def in_utf_8(content: bytes, references: References) -> bytes:
     """The text of an OBJ file in UTF-8; older programs write names in Latin-1.
 
-    Raises
-    ------
-    UserError
-        When it is no text.
+    Raises UserError when it is no text.
     """
     if b"\0" in content:
         raise UserError(Fault(references.where, "is no text", "an OBJ file", "Export the model again."))
@@ -46,10 +43,7 @@ def in_utf_8(content: bytes, references: References) -> bytes:
 def check_obj(content: bytes, references: References) -> int:
     """Triangles of an OBJ file, at least; its library of materials is read.
 
-    Raises
-    ------
-    UserError
-        When it is larger than memory or time allow.
+    Raises UserError when it is larger than memory or time allow.
     """
     where = references.where
     if len(content) > limits().bytes_of("obj_mb"):  # text takes twenty times its size while it is parsed
@@ -78,10 +72,7 @@ def _read_libraries(names: Sequence[str], references: References) -> None:
 def check_ply(content: bytes, references: References) -> int:
     """Triangles of a PLY file, at least.
 
-    Raises
-    ------
-    UserError
-        When its header is broken, or promises more than the file holds.
+    Raises UserError when its header is broken, or promises more than the file holds.
     """
     end = content.find(b"end_header")
     colours: set[str] = set()

@@ -56,10 +56,7 @@ class References(Resolver):
     def get(self, key: str) -> bytes:
         """The bytes of a file by its name, which is a picture unless it was read before.
 
-        Raises
-        ------
-        UserError
-            When it is none that may be read; the faults are kept as well.
+        Raises UserError when it is none that may be read; the faults are kept as well.
         """
         if key not in self._read:
             self.picture(self.bytes_of(key), key)
@@ -68,10 +65,7 @@ class References(Resolver):
     def bytes_of(self, name: str, *, quoted: bool = False) -> bytes:
         """The bytes that a name or a data URI stands for; those of a name are kept.
 
-        Parameters
-        ----------
-        quoted
-            Whether the name is written as in a URI.
+        `quoted`: true if the name is written as in a URI.
         """
         try:
             content = self._data(name) if name.startswith("data:") else self._file(name, quoted)
@@ -144,5 +138,4 @@ class References(Resolver):
         raise NotImplementedError
 
     def keys(self) -> list[str]:
-        """The names read so far."""
         return list(self._read)

@@ -25,10 +25,7 @@ MOST_PX = 4096
 def painted(patches: Sequence[Patch]) -> tuple[list[Patch], NDArray[np.uint8]]:
     """Patches with colours at their vertices as patches with texture coordinates, and their (A, A, 3) atlas.
 
-    Raises
-    ------
-    ValueError
-        Where the triangles are more than the largest atlas holds.
+    Raises ValueError where the triangles are more than the largest atlas holds.
     """
     counts = [len(patch.triangles) for patch in patches]
     edge_cells = 1 << math.ceil(math.log2(max(1.0, math.sqrt((sum(counts) + 1) // 2))))

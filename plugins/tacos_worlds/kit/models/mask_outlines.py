@@ -17,12 +17,8 @@ Floats = NDArray[np.float64]
 def outlines(above: Floats, clamped: tuple[bool, bool]) -> Floats:
     """(P, 8, 2) polygons of one tile where (H, W) values are 0 or more, row 0 at v = 0 [tiles].
 
-    Parameters
-    ----------
-    above
-        Opacity less cutoff at the texels.
-    clamped
-        Whether the texture ends at its edges along u and v; else it repeats.
+    `above`: opacity less cutoff at the texels. `clamped`: whether the texture ends at its edges along u and
+    v; else it repeats.
     """
     rows, columns = above.shape
     field = np.pad(above, (_padding(clamped[1]), (0, 0)), mode="edge" if clamped[1] else "wrap")

@@ -29,13 +29,13 @@ class Skin:
     emission
         (3,) light sent out, in the file's unit (cd/m2 in glTF).
     two_sided
-        Whether both sides are to be seen.
+        True if both sides are to be seen.
     mask, cutoff
         (H, W) opacity, row 0 at the bottom: the surface is not there where it is below the cutoff [codes, 1].
     clamped
-        Whether the texture ends at its edges along u and v, in place of repeating.
+        True if the texture ends at its edges along u and v, in place of repeating.
     unlit
-        Whether its colour was photographed with its light.
+        True if its colour was photographed with its light.
     """
 
     name: str
@@ -88,7 +88,6 @@ class Surface:
 
     @property
     def name(self) -> str:
-        """Names from the root, joined by slashes."""
         return "/".join(self.path)
 
 
@@ -98,8 +97,6 @@ class PunctualLight:
 
     Parameters
     ----------
-    kind
-        point, spot or directional.
     position, direction
         (3,) where it is, and the unit vector along which it shines [the length unit of the file, 1].
     colour
@@ -122,14 +119,8 @@ class PunctualLight:
 class Model:
     """A file's content.
 
-    Parameters
-    ----------
-    surfaces, skins, lights
-        What is in it.
-    up
-        The axis that points upwards where the format says so: x, y or z; else None.
-    notes
-        What the file uses and the reader does not carry out, each with its effect.
+    `up`: the axis that points upwards where the format says so: x, y or z; else None. `notes`: what the file
+    uses and the reader does not carry out, each with its effect.
     """
 
     surfaces: tuple[Surface, ...]
@@ -140,5 +131,4 @@ class Model:
 
     @property
     def triangle_count(self) -> int:
-        """Number of triangles in all."""
         return sum(len(surface.triangles) for surface in self.surfaces)

@@ -70,10 +70,7 @@ class Patch:
 def sound(surface: Surface, turn: NDArray[np.float64], object_id: int) -> Patch:
     """A surface in metres with z up, without triangles that are nothing or stand there twice.
 
-    Parameters
-    ----------
-    turn
-        (3, 3) from the file's axes and unit to metres with z up.
+    `turn`: (3, 3) from the file's axes and unit to metres with z up.
     """
     rotation = turn / np.cbrt(np.linalg.det(turn))
     patch = Patch(

@@ -48,13 +48,13 @@ class Clothes:
     Parameters
     ----------
     coat
-        Whether the top reaches down over the hips.
+        True if the top reaches down over the hips.
     short_sleeves
-        Whether the forearms are bare.
+        True if the forearms are bare.
     skirt
-        Whether a skirt is worn in place of trousers.
+        True if a skirt is worn in place of trousers.
     long_hair
-        Whether the hair reaches to the shoulders.
+        True if the hair reaches to the shoulders.
     """
 
     skin: Finish
@@ -71,12 +71,7 @@ class Clothes:
 def draw_clothes(rng: np.random.Generator, *, outdoors: bool, cloth: str) -> Clothes:
     """Random clothes.
 
-    Parameters
-    ----------
-    outdoors
-        Coats and jackets, rather than shirts.
-    cloth
-        Name of the texture of cloth; "" for none.
+    `outdoors`: coats and jackets, rather than shirts. `cloth`: name of the texture of cloth; "" for none.
     """
 
     def pick(colours: tuple[Colour, ...]) -> Colour:

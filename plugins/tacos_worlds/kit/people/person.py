@@ -74,7 +74,7 @@ class Build:
 
     @property
     def near(self) -> bool:
-        """Whether it is drawn with eyes, and knees that bend round."""
+        """True if it is drawn with eyes, and knees that bend round."""
         return self.sides >= 8
 
     @property

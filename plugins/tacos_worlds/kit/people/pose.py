@@ -37,7 +37,7 @@ class Pose:
     lean
         Of the trunk, forward [deg].
     seated
-        Whether the weight rests on a seat.
+        True if the weight rests on a seat.
     """
 
     hips: tuple[float, float] = (0.0, 0.0)
@@ -88,12 +88,7 @@ def walking(rng: np.random.Generator) -> Pose:
 def seated(rng: np.random.Generator, height_m: float, *, seat_m: float, back_deg: float) -> Pose:
     """On a seat, leaning back by so much, hands in the lap; the feet reach the floor, or dangle.
 
-    Parameters
-    ----------
-    height_m
-        Of the body, upright [m].
-    seat_m
-        Of the seat above the floor [m].
+    `height_m`: of the body, upright [m]. `seat_m`: of the seat above the floor [m].
     """
     rise = (seat_m + SEATED_THIGH * height_m - KNEE * height_m) / ((HIP - KNEE) * height_m)
     thigh = math.degrees(math.acos(float(np.clip(rise, -0.35, 0.3))))

@@ -44,7 +44,6 @@ class Walk:
 
     @property
     def duration_s(self) -> float:
-        """How long it takes [s]."""
         return float(self.time_s[-1])
 
     def raised(self, by_m: float) -> Walk:

@@ -15,12 +15,8 @@ STEP_M = 0.05
 class Route:
     """A path on the floor.
 
-    Parameters
-    ----------
-    points_m
-        (N, 2) points, about `STEP_M` apart [m].
-    door_at
-        For each doorway crossed, in order: (index of the path's point on its middle, index of the door).
+    `points_m`: (N, 2) points, about `STEP_M` apart [m]. `door_at`: for each doorway crossed, in order: (index
+    of the path's point on its middle, index of the door).
     """
 
     points_m: NDArray[np.float64]

@@ -35,7 +35,7 @@ class Stretch:
     crossings
         (time in the walk [s], door) of the doorways that count.
     owned
-        Whether the crossings name this stretch as their walk, as they must where no frame follows them.
+        True if the crossings name this stretch as their walk, as they must where no frame follows them.
     """
 
     walk: Walk

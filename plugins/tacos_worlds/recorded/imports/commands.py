@@ -9,7 +9,6 @@ from tacos_framework import DONE, Command, Fault, UserError
 
 
 def commands() -> list[Command]:
-    """The command; importing this is light."""
     return [Command("recordings", "recordings of real cameras: import them", _arguments, _recordings)]
 
 

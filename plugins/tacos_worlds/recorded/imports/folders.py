@@ -27,10 +27,7 @@ _LAYOUTS = "times.csv, data.csv of EuRoC, rgb.txt of TUM, or times.txt or timest
 def in_folder(folder: Path) -> FoundRecording:
     """The recording of one camera in a folder.
 
-    Raises
-    ------
-    UserError
-        When it has no layout that is known, holds several cameras, or its table is at fault.
+    Raises UserError when it has no layout that is known, holds several cameras, or its table is at fault.
     """
     cameras = sorted(
         path.parent for path in (*folder.glob("mav0/cam*/data.csv"), *folder.glob("cam*/data.csv"))

@@ -23,12 +23,7 @@ class FoundFrame:
 class FoundRecording:
     """Frames in the order of their table.
 
-    Parameters
-    ----------
-    layout
-        What it is, in a few words.
-    camera
-        Text for ``camera.yaml``; empty where nothing is known of the lens.
+    `camera`: text for ``camera.yaml``; empty where nothing is known of the lens.
     """
 
     layout: str

@@ -28,10 +28,7 @@ _ENCODINGS |= {f"bayer_{order}16": np.uint16 for order in ("rggb", "bggr", "gbrg
 def in_video(file: Path) -> FoundRecording:
     """Frames of a video, in grey: its coding has mixed colours and smoothed noise.
 
-    Raises
-    ------
-    UserError
-        When it cannot be read.
+    Raises UserError when it cannot be read.
     """
     video = Video(file)
     frames = (FoundFrame(f"{i}", stamp, None, video.next_grey) for i, stamp in enumerate(video.stamp_ns))
@@ -41,10 +38,8 @@ def in_video(file: Path) -> FoundRecording:
 def in_bag(file: Path, topic: str) -> FoundRecording:
     """Images of one topic of a bag of ROS 1 or 2.
 
-    Raises
-    ------
-    UserError
-        When rosbags is not installed, no topic is named where several have images, or they are coded.
+    Raises UserError when rosbags is not installed, no topic is named where several have images, or they are
+    coded.
     """
     try:
         from rosbags.highlevel import AnyReader

@@ -18,15 +18,8 @@ _GREEN = 1
 def write_recording(found: FoundRecording, out: Path, exposure_ms: float | None) -> list[str]:
     """Frames, ``times.csv`` and ``camera.yaml``; what to know about them, in sentences.
 
-    Parameters
-    ----------
-    exposure_ms
-        Exposure of frames that do not state their own [ms].
-
-    Raises
-    ------
-    UserError
-        When the folder exists and is not empty, or a frame cannot be read.
+    `exposure_ms`: exposure of frames that do not state their own [ms]. Raises UserError when the folder
+    exists and is not empty, or a frame cannot be read.
     """
     made_folder(out)
     lines, coloured, unknown = dict[int, str](), 0, 0

@@ -45,7 +45,6 @@ def _write(image: NDArray[np.float64], text: str, colour: Colour, scale: float) 
 
 
 def speed_limit(rng: np.random.Generator, size: int) -> Texture:
-    """A round speed limit sign."""
     image, middle = _face(size, RED), (size // 2, size // 2)
     _draw(image, lambda mask: cv2.circle(mask, middle, round(0.39 * size), 255, -1, cv2.LINE_AA), WHITE)
     _write(image, str(rng.choice(["30", "40", "50"])), BLACK, 1.7)

@@ -26,12 +26,7 @@ Colour = tuple[float, float, float]
 class Canvas:
     """A wall being drawn, rows from the bottom up.
 
-    Parameters
-    ----------
-    colour
-        (T, T, 3) sRGB in 0..1.
-    height_m
-        (T, T) relief [m].
+    `colour`: (T, T, 3) sRGB in 0..1. `height_m`: (T, T) relief [m].
     """
 
     colour: Image

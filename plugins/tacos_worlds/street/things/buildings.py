@@ -53,9 +53,9 @@ class House:
     kind
         Index into `FRONTS`; -1 for an office.
     shop
-        Whether the ground floor holds shops.
+        True if the ground floor holds shops.
     pitched
-        Whether it has a tiled roof with its ridge along the street.
+        True if it has a tiled roof with its ridge along the street.
     tint
         Index into `_TINTS`.
     """
@@ -104,7 +104,7 @@ def building(
     Parameters
     ----------
     open_left, open_right
-        Whether the side at x = 0, or at the width, faces a street.
+        True if the side at x = 0, or at the width, faces a street.
     detailed
         With cornices, bay windows, balconies and what stands on roofs.
     dark

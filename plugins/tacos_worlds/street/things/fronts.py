@@ -35,10 +35,7 @@ def bay_windows(
 ) -> Parts:
     """A stack of bay windows up every third bay, below the highest floor.
 
-    Parameters
-    ----------
-    first
-        Texture coordinate of the first bay: the windows of the bay go on as those of the front.
+    `first`: texture coordinate of the first bay: the windows of the bay go on as those of the front.
     """
     bay_m = width_m / bays
     wide, high = _BAY_SHARE * bay_m, (floors - 1) * floor_m

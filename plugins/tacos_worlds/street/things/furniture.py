@@ -66,7 +66,6 @@ def lamp_post(rng: np.random.Generator, *, lit: bool = False) -> Piece:
 
 
 def sign(rng: np.random.Generator) -> Piece:
-    """A road sign on a post."""
     name, corners = (
         ("speed_limit", 16),
         ("no_entry", 16),
@@ -80,7 +79,6 @@ def sign(rng: np.random.Generator) -> Piece:
 
 
 def street_name(rng: np.random.Generator) -> Piece:
-    """A street's name on two plates."""
     post = tube([(0, 0, 0), (0, 0, 2.9)], 0.03, sides=4)
     plates = []
     for origin, along in (
@@ -138,13 +136,11 @@ _FACING = np.array([[0.0, 0, -1], [0, 1, 0], [1, 0, 0]])
 
 
 def litter_bin(rng: np.random.Generator) -> Piece:
-    """A litter bin."""
     body = disc_stack([(0.24, 0.0), (0.28, 0.85), (0.30, 0.9), (0.10, 1.02)], sides=7)
     return Piece("bin", ((body, (GREEN_METAL, DARK_METAL)[int(rng.integers(2))]),))
 
 
 def bollard(rng: np.random.Generator) -> Piece:
-    """A cast-iron bollard."""
     return Piece(
         "bollard",
         (
@@ -167,7 +163,6 @@ def bench(rng: np.random.Generator) -> Piece:
 
 
 def planter(rng: np.random.Generator) -> Piece:
-    """A stone trough with a shrub."""
     trough = slab((1.6, 0.6, 0.55), (0, 0, 0))
     return Piece("planter", ((trough, STONE), *shrub(rng, 0.9).moved(0, 0, 0.5).parts))
 

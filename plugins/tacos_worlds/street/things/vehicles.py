@@ -111,7 +111,6 @@ def draw_car(rng: np.random.Generator, *, far: bool = False) -> Piece:
 
 
 def car(body: Body, paint: Finish, *, plate: int = 0) -> Piece:
-    """A vehicle of a shape in a colour."""
     half, wide = body.length_m / 2, body.width_m / 2
     lower = loft([_section(x * half, low, high, wide) for x, low, high in body.side], crease_deg=50)
     (x0, z0), (x1, z1), (x2, z2), (x3, z3) = ((x * half, z) for x, z in body.cabin)

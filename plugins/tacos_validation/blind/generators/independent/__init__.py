@@ -57,17 +57,7 @@ from tacos_validation.blind.generators.independent.sensing import (
 
 @dataclass(frozen=True)
 class Variant:
-    """Another maker of an effect.
-
-    Parameters
-    ----------
-    effect
-        The effect of the catalogue that it is.
-    entry
-        How it is made.
-    package
-        What must be installed.
-    """
+    """Another maker of an effect."""
 
     effect: str
     entry: Withheld

@@ -25,7 +25,6 @@ class WarmerLamp(SingleAmplitudeEffect):
     order: ClassVar[int] = 20
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """Multiply what is above the pedestal."""
         black = shot.camera.black_dn
         return black + (codes - black) * np.array(self._gains())
 
@@ -36,7 +35,6 @@ class WarmerLamp(SingleAmplitudeEffect):
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """The gains that the lamp comes to."""
         red, _, blue = self._gains()
         return {"red": red, "blue": blue}
 
@@ -48,7 +46,6 @@ class OtherCamera(SingleAmplitudeEffect):
     order: ClassVar[int] = 50
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """Mix what is above the pedestal; greys stay."""
         black = shot.camera.black_dn
         matrix = np.eye(3) + self.amplitude * (np.array(between_cameras()) - np.eye(3))
         return np.asarray(black + (codes - black) @ matrix.T)

@@ -21,7 +21,6 @@ class RealFringes(SingleAmplitudeEffect):
     lens: ClassVar[str] = "Canon EF 100-400mm f/4.5-5.6L IS USM"
 
     def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
-        """Source positions of the colour by the database, between its samples at whole pixels."""
         size = shot.camera.width_px, shot.camera.height_px
         moved = _fringes(self.lens, *size)[:, :, channel]
         at = [ndimage.map_coordinates(moved[..., i], (y, x), order=1, mode="nearest") for i in (0, 1)]
@@ -56,7 +55,6 @@ class AberratedPupil(SingleAmplitudeEffect):
     waves: ClassVar[float] = 0.2
 
     def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
-        """Filter by the modulation transfer function, which is round."""
         height, width = light.shape[:2]
         frequency = np.hypot(fft.fftfreq(height)[:, None], fft.rfftfreq(width)[None, :])
         at, transfer = pupil_transfer(self.waves)
@@ -87,7 +85,6 @@ class OpenCvPose(SingleAmplitudeEffect):
     shift: ClassVar[tuple[float, float, float]] = (2.0, 1.5, -2.0)
 
     def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
-        """From pixels of the real camera to those of the believed one, by way of the plane."""
         if not shot.has_pose:
             return x, y
         matrix = _matrix(shot.camera)
@@ -116,7 +113,6 @@ class OpenCvFocalLength(SingleAmplitudeEffect):
     order: ClassVar[int] = 2
 
     def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
-        """Source pixels by the real matrix, in those of the believed one."""
         believed = _matrix(shot.camera)
         real = believed * np.array([[self._scale, 1, 1], [1, self._scale, 1], [1, 1, 1]])
         return _moved(x, y, lambda places: cv2.undistortPoints(places, real, None, P=believed))
@@ -127,7 +123,6 @@ class OpenCvFocalLength(SingleAmplitudeEffect):
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """The factor alone."""
         return {"scale": self._scale}
 
 

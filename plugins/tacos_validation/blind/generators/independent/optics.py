@@ -34,7 +34,6 @@ class NaturalFallOff(SingleAmplitudeEffect):
     order: ClassVar[int] = 4
 
     def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
-        """Angle of the ray, then a soft rim."""
         r = np.sqrt(shot.camera.squared_radius(pad))
         angle = np.arctan(r * np.sqrt(self.amplitude))
         rim = 1 - 0.5 * self.amplitude * np.clip((r - 0.7) / 0.6, 0, None) ** 2
@@ -69,7 +68,6 @@ class RealLens(SingleAmplitudeEffect):
     )
 
     def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
-        """Source pixels of a corrected image by the database, backwards."""
         import lensfunpy  # type: ignore[import-untyped, import-not-found, unused-ignore]
 
         lenses = [
@@ -96,7 +94,6 @@ class Hexagon(SingleAmplitudeEffect):
     order: ClassVar[int] = 1
 
     def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
-        """Convolve with the polygon, drawn eight times as fine."""
         fine = 8
         size = 2 * int(np.ceil(self.amplitude + 1)) + 1
         middle = fine * size / 2
@@ -134,7 +131,6 @@ class WidePsf(SingleAmplitudeEffect):
     order: ClassVar[int] = 3
 
     def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
-        """Convolve with a cone as wide as the image."""
         height, width = light.shape[:2]
         y, x = np.mgrid[-height : height + 1, -width : width + 1]
         kernel = np.exp(-np.hypot(x, y) / (0.35 * width))
@@ -149,7 +145,6 @@ class FluorescentTube(SingleAmplitudeEffect):
     name: ClassVar[str] = "flicker"
 
     def frame_light(self, light: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
-        """|sin|, about its mean."""
         rows = np.arange(light.shape[0])[:, None, None]
         wave = np.abs(np.sin(np.pi * rows / 90.0 + rng.uniform(0, np.pi)))
         return light * (1 + self.amplitude * (wave - 2 / np.pi) / (1 - 2 / np.pi))

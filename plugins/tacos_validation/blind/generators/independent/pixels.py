@@ -39,7 +39,6 @@ class UnevenFullWells(SingleAmplitudeEffect):
     spread: ClassVar[float] = 0.004
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """Cut off each pixel at its own level."""
         camera = shot.camera
         wells = (1 - self.amplitude) * camera.range_dn * sensor.normal(1.0, self.spread, size=codes.shape)
         return np.minimum(codes, camera.black_dn + wells)
@@ -57,7 +56,6 @@ class UnevenDarkCurrent(SingleAmplitudeEffect):
     order: ClassVar[int] = 1
 
     def charge(self, mean: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """Add a rate for each pixel times the exposure time."""
         rates = self.amplitude * sensor.lognormal(-0.5 * 0.3**2, 0.3, size=mean.shape)
         hot = sensor.random(mean.shape) < 1e-4
         rates = np.where(hot, rates + 100 * sensor.pareto(1.5, size=mean.shape), rates)
@@ -65,7 +63,6 @@ class UnevenDarkCurrent(SingleAmplitudeEffect):
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """The mean rate."""
         return {"rate_dn_s": self.amplitude}
 
 
@@ -76,12 +73,10 @@ class HeavyTailedOffsets(SingleAmplitudeEffect):
     order: ClassVar[int] = 2
 
     def charge(self, mean: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """Add the sensor's own pattern."""
         return mean + self.amplitude * sensor.standard_t(5, size=mean.shape) / np.sqrt(5 / 3)
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """Its standard deviation."""
         return {"sigma_dn": self.amplitude}
 
 
@@ -92,7 +87,6 @@ class ChargeDiffusion(SingleAmplitudeEffect):
     order: ClassVar[int] = 0
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
-        """Convolve with falling shares, by the square of the distance."""
         y, x = np.mgrid[-2:3, -2:3]
         square = x**2 + y**2
         kernel = np.where(square > 0, self.amplitude * 0.5 ** np.maximum(square - 1.0, 0), 0)
@@ -124,14 +118,12 @@ class ClampedPedestal(SingleAmplitudeEffect):
     order: ClassVar[int] = 5
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
-        """Shift each frame by its own."""
         rows = 0.02 * self.amplitude * (np.arange(samples.shape[0]) % 2 - 0.5)
         drift = 0.02 * self.amplitude * rng.standard_normal()
         return samples + self.amplitude + drift + rows[:, None, None]
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """Its mean."""
         return {"offset_dn": self.amplitude}
 
 
@@ -143,13 +135,11 @@ class BlockReadout(SingleAmplitudeEffect):
     rows: ClassVar[int] = 4
 
     def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
-        """Rows of a block share their moment."""
         later_s = self.rows * np.floor(row / self.rows) * self.amplitude * 1e-6
         return x - shot.velocity_px_s[0] * later_s, y - shot.velocity_px_s[1] * later_s
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """Time for a row, on average."""
         return {"row_time_us": self.amplitude}
 
 
@@ -160,7 +150,6 @@ class ErfShading(SingleAmplitudeEffect):
     order: ClassVar[int] = 10
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """Divide what is above the pedestal by the fall-off, 1 in the middle."""
         r = np.sqrt(shot.camera.squared_radius())[..., None]
         rise = self.amplitude * (1 + special.erf((r - 0.75) / 0.4)) / 2
         rise = rise - self.amplitude * (1 + special.erf(-0.75 / 0.4)) / 2

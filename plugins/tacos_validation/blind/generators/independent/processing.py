@@ -22,7 +22,6 @@ class SrgbMixed(SingleAmplitudeEffect):
     order: ClassVar[int] = 60
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """Bend what is above the pedestal."""
         camera = shot.camera
         y = (codes - camera.black_dn) / camera.range_dn
         curve = np.where(y > 0.0031308, 1.055 * np.maximum(y, 1e-9) ** (1 / 2.4) - 0.055, 12.92 * y)
@@ -36,7 +35,6 @@ class PillowUnsharp(SingleAmplitudeEffect):
     order: ClassVar[int] = 70
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """As in image editors."""
         filtered = ImageFilter.UnsharpMask(
             radius=1.5, percent=max(1, round(100 * self.amplitude)), threshold=1
         )
@@ -53,7 +51,6 @@ class NonLocalMeans(SingleAmplitudeEffect):
     order: ClassVar[int] = 40
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """Each channel alone."""
         return np.stack(
             [
                 np.asarray(cv2.fastNlMeansDenoising(plane, None, self.amplitude, 3, 11), np.float64)
@@ -70,7 +67,6 @@ class TotalVariation(SingleAmplitudeEffect):
     order: ClassVar[int] = 40
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """Chambolle's total variation."""
         from skimage.restoration import denoise_tv_chambolle  # type: ignore[import-untyped, import-not-found, unused-ignore]
 
         return np.asarray(denoise_tv_chambolle(codes, weight=self.amplitude, channel_axis=-1))
@@ -83,7 +79,6 @@ class Menon(SingleAmplitudeEffect):
     order: ClassVar[int] = 30
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """Sample red, green, green, blue, and fill in."""
         with warnings.catch_warnings():  # it imports names that SciPy has moved
             warnings.simplefilter("ignore", DeprecationWarning)
             from colour_demosaicing import (  # type: ignore[import-untyped, import-not-found, unused-ignore]
@@ -102,7 +97,6 @@ class PhotographersJpeg(SingleAmplitudeEffect):
     order: ClassVar[int] = 80
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """There and back."""
         presets = ("web_maximum", "web_very_high", "web_high", "web_medium", "web_low")
         file = io.BytesIO()
         image = np.repeat(codes, 3, axis=2) if codes.shape[2] == 1 else codes

@@ -31,7 +31,6 @@ class TelegraphNoise(SingleAmplitudeEffect):
     order: ClassVar[int] = 3
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
-        """Add both."""
         jumps = 4 * self.amplitude * rng.integers(-1, 2, samples.shape) * (rng.random(samples.shape) < 0.005)
         scale = self.amplitude * np.sqrt(3) / np.pi
         return samples + rng.logistic(0.0, scale, size=samples.shape) + jumps
@@ -44,14 +43,12 @@ class DriftingRows(SingleAmplitudeEffect):
     order: ClassVar[int] = 4
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
-        """A first-order process."""
         drawn = np.asarray(rng.normal(size=samples.shape[0]))
         offsets = signal.lfilter(np.array([np.sqrt(1 - 0.4**2)]), np.array([1.0, -0.4]), drawn)
         return samples + self.amplitude * offsets[:, None, None]
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """Standard deviation of a row's offset."""
         return {"sigma_dn": self.amplitude}
 
 
@@ -62,7 +59,6 @@ class LognormalPixels(SingleAmplitudeEffect):
     order: ClassVar[int] = 0
 
     def charge(self, mean: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
-        """Multiply by the pattern."""
         return mean * sensor.lognormal(-(self.amplitude**2) / 2, self.amplitude, size=mean.shape)
 
     @property
