@@ -71,30 +71,17 @@ class Detailed:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of text under a heading.
-
-    Parameters
-    ----------
-    colours
-        A CSS colour per head, "" for none.
-    row_heads
-        True if the first cell of each row is its heading.
-    total
-        True if the last row sums up the others.
-    first
-        How many rows are shown until all are asked for, where the reader's program can ask; 0 for all.
-    kept
-        Places of further rows that are shown from the first.
-    """
+    """Rows of text under a heading."""
 
     heads: tuple[str, ...]
     rows: tuple[tuple[str | Detailed, ...], ...]
     caption: str = ""
-    colours: tuple[str, ...] = ()
-    row_heads: bool = False
-    total: bool = False
+    colours: tuple[str, ...] = ()  # a CSS colour per head, "" for none
+    row_heads: bool = False  # true if the first cell of each row is its heading
+    total: bool = False  # true if the last row sums up the others
     first: int = 0
-    kept: tuple[int, ...] = ()
+    """How many rows are shown until all are asked for, where the reader's program can ask; 0 for all."""
+    kept: tuple[int, ...] = ()  # places of further rows that are shown from the first
     kind: Literal["table"] = "table"
 
 
@@ -202,34 +189,17 @@ class Section:
 
 @dataclass(frozen=True)
 class Page:
-    """A page.
+    """A page."""
 
-    Parameters
-    ----------
-    eyebrow
-        What kind of page it is, in small letters above the title.
-    title
-        The finding, in a sentence.
-    lead
-        What stands behind it, in a paragraph.
-    reload_s
-        Seconds after which the page loads itself anew; None for one that stays as it is.
-    header
-        What stands below the lead, before the first section.
-    tab_title
-        What a browser shows on its tab; the eyebrow by default.
-    version
-        Version of the package that made what is shown, where it is known.
-    """
-
-    eyebrow: str
-    title: str
-    lead: str
+    eyebrow: str  # what kind of page it is, in small letters above the title
+    title: str  # the finding, in a sentence
+    lead: str  # what stands behind it, in a paragraph
     sections: Sequence[Section]
     reload_s: float | None = None
-    header: tuple[Block, ...] = ()
-    tab_title: str = ""
-    version: str = ""
+    """Seconds after which the page loads itself anew; None for one that stays as it is."""
+    header: tuple[Block, ...] = ()  # what stands below the lead, before the first section
+    tab_title: str = ""  # what a browser shows on its tab; the eyebrow by default
+    version: str = ""  # version of the package that made what is shown, where it is known
 
 
 def image_uri(image: NDArray[np.uint8]) -> str:

@@ -22,28 +22,15 @@ Wanted = tuple[Mapping[str, Any], EpisodeSpec]
 
 @dataclass(frozen=True)
 class TableRow:
-    """Scores of one camera in one episode.
-
-    Parameters
-    ----------
-    scores
-        The scores in each scenario by its name, which is empty where there is only one.
-    failed
-        Why there are none, in a sentence.
-    seconds
-        Time it took, summed over nodes [s].
-    broken
-        By how much the camera breaks each constraint.
-    raised
-        The defect behind `failed`, if it is one.
-    """
+    """Scores of one camera in one episode."""
 
     scores: Mapping[str, Scores]
-    failed: str | None
+    """The scores in each scenario by its name, which is empty where there is only one."""
+    failed: str | None  # why there are none, in a sentence
     images: int
-    seconds: float
-    broken: Mapping[str, float] = field(default_factory=dict)
-    raised: Raised | None = None
+    seconds: float  # time it took, summed over nodes [s]
+    broken: Mapping[str, float] = field(default_factory=dict)  # by how much the camera breaks each constraint
+    raised: Raised | None = None  # the defect behind `failed`, if it is one
 
 
 class ScoreTable:

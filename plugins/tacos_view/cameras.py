@@ -32,15 +32,13 @@ CameraName = str | Mapping[str, Any] | None
 
 @dataclass(frozen=True)
 class CameraChoice:
-    """A camera of a study.
-
-    `values`: plain values of the study's design variables, those included that a product fixes. `assumed`:
-    design variables nobody gave a value; each is in the middle of what it may be.
-    """
+    """A camera of a study."""
 
     title: str
     values: Mapping[str, Any]
+    """Plain values of the study's design variables, those included that a product fixes."""
     assumed: tuple[str, ...] = ()
+    """Design variables nobody gave a value; each is in the middle of what it may be."""
 
 
 def choose_camera(plan: Plan, camera: CameraName = None, run: Path | None = None) -> CameraChoice:

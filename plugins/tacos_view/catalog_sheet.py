@@ -19,32 +19,18 @@ _GAP_MM = 1.6
 
 @dataclass(frozen=True)
 class SheetFormat:
-    """Size of parts and of their names in the drawing.
+    """Size of parts and of their names in the drawing."""
 
-    Parameters
-    ----------
-    width_mm
-        Across the sheet, in millimetres of parts [mm].
-    cell_mm, label_mm
-        Least room across for a part, and room below it for its name and detail, in millimetres of parts [mm].
-    inches_per_mm
-        Size of the drawing over that of the parts [in/mm].
-    name_pt, detail_pt
-        Sizes of letters [pt].
-    groups_in_a_row
-        Names of groups beside one another.
-    least_mm
-        The sheet is so wide, however few parts there are [mm].
-    """
-
-    width_mm: float
+    width_mm: float  # across the sheet, in millimetres of parts [mm]
     cell_mm: float
+    """With label_mm: least room across for a part, and room below it for its name and detail, in millimetres
+    of parts [mm]."""
     label_mm: float
-    inches_per_mm: float
-    name_pt: float
+    inches_per_mm: float  # size of the drawing over that of the parts [in/mm]
+    name_pt: float  # with detail_pt: sizes of letters [pt]
     detail_pt: float
-    groups_in_a_row: int
-    least_mm: float = 0.0
+    groups_in_a_row: int  # names of groups beside one another
+    least_mm: float = 0.0  # the sheet is so wide, however few parts there are [mm]
 
     @property
     def letters_per_mm(self) -> float:
@@ -81,24 +67,14 @@ def for_phone(parts: Sequence[Outline]) -> SheetFormat:
 
 @dataclass(frozen=True)
 class Outline:
-    """A part as it is drawn: its active area, or the circle that a lens fills with light.
+    """A part as it is drawn: its active area, or the circle that a lens fills with light."""
 
-    Parameters
-    ----------
-    name, detail
-        Two lines of text below it.
-    round
-        A circle rather than a rectangle.
-    group
-        What its colour stands for.
-    """
-
-    name: str
+    name: str  # with detail: two lines of text below it
     detail: str
     width_mm: float
     height_mm: float
-    round: bool = False
-    group: str = ""
+    round: bool = False  # a circle rather than a rectangle
+    group: str = ""  # what its colour stands for
 
 
 @dataclass(frozen=True)

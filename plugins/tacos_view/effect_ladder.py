@@ -24,21 +24,11 @@ OF_THE_USER = (0.25, 0.5, 1.0)
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """A rung of the ladder.
+    """A rung of the ladder."""
 
-    Parameters
-    ----------
-    settings
-        Those of the effect; none where it is off.
-    frame
-        What the camera delivers.
-    difference
-        What the effect has changed, amplified alike on all rungs; grey is no change.
-    """
-
-    settings: Mapping[str, Any]
-    frame: Picture
-    difference: Picture
+    settings: Mapping[str, Any]  # those of the effect; none where it is off
+    frame: Picture  # what the camera delivers
+    difference: Picture  # what the effect has changed, amplified alike on all rungs; grey is no change
 
     @property
     def label(self) -> str:

@@ -20,17 +20,14 @@ from tacos_view.setup import RenderSetup
 
 @dataclass(frozen=True, eq=False)
 class CameraDescription:
-    """A camera as files describe it.
-
-    `distortion`: its coefficients in OpenCV's order; zero where the simulation has no distortion.
-    `limitations`: in a sentence each, what the files cannot say of it.
-    """
+    """A camera as files describe it."""
 
     camera: Camera
     lens: LensModel
     distortion: tuple[float, ...]
+    """Its coefficients in OpenCV's order; zero where the simulation has no distortion."""
     noise: NoiseDescription
-    limitations: tuple[str, ...] = ()
+    limitations: tuple[str, ...] = ()  # in a sentence each, what the files cannot say of it
 
 
 def describe_cameras(setup: RenderSetup, *, simulated: bool = False) -> tuple[CameraDescription, ...]:

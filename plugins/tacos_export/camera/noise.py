@@ -17,37 +17,21 @@ class NoiseDescription:
 
     Electrons are those of all photosites that a pixel averages, as whoever measures the camera counts them.
     ``variance = K (signal - dark) + K^2 sigma_d^2``, before rounding adds 1/12 DN^2.
-
-    Parameters
-    ----------
-    system_gain_dn_per_e
-        K [DN/e-]; 0 where the simulation has no photon noise.
-    temporal_dark_noise_e
-        sigma_d [e-]; None without K.
-    temporal_dark_noise_dn
-        The same in the file [DN].
-    saturation_capacity_e
-        Electrons at which the file, or the photosites if they are known to hold less, are full [e-].
-    black_level_dn, white_level_dn
-        Pedestal and full scale [DN].
-    quantum_efficiency, dark_current_e_s
-        As the catalog knows them [1], [e-/s]; None is unknown.
-    exposure
-        The circumstances: the gain is part of K.
-    origins
-        Where the figures come from, as the sensor model says; empty where it does not.
     """
 
-    system_gain_dn_per_e: tuple[float, ...]
-    temporal_dark_noise_e: tuple[float | None, ...]
-    temporal_dark_noise_dn: tuple[float, ...]
+    system_gain_dn_per_e: tuple[float, ...]  # k [DN/e-]; 0 where the simulation has no photon noise
+    temporal_dark_noise_e: tuple[float | None, ...]  # sigma_d [e-]; None without K
+    temporal_dark_noise_dn: tuple[float, ...]  # the same in the file [DN]
     saturation_capacity_e: tuple[float | None, ...]
-    black_level_dn: float
+    """Electrons at which the file, or the photosites if they are known to hold less, are full [e-]."""
+    black_level_dn: float  # with white_level_dn: pedestal and full scale [DN]
     white_level_dn: float
     quantum_efficiency: float | None
+    """With dark_current_e_s: as the catalog knows them [1], [e-/s]; None is unknown."""
     dark_current_e_s: float | None
-    exposure: Exposure
+    exposure: Exposure  # the circumstances: the gain is part of K
     origins: Mapping[str, str] = field(default_factory=dict)
+    """Where the figures come from, as the sensor model says; empty where it does not."""
 
     def as_data(self) -> dict[str, Any]:
         return {

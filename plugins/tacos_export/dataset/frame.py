@@ -29,15 +29,12 @@ class DatasetCamera:
 
 @dataclass(frozen=True, eq=False)
 class Dataset:
-    """Facts that writers need before the first frame comes.
-
-    `lenses`: their distortion, by name. `encoding`: how 8-bit images are encoded.
-    """
+    """Facts that writers need before the first frame comes."""
 
     out: Path
     rig: Rig
-    lenses: dict[str, DatasetCamera]
-    encoding: Encoding
+    lenses: dict[str, DatasetCamera]  # their distortion, by name
+    encoding: Encoding  # how 8-bit images are encoded
 
 
 class DatasetWriter(Protocol):

@@ -13,21 +13,11 @@ from tacos_framework import World
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """Triangles of one object around the middle of its box.
+    """Triangles of one object around the middle of its box."""
 
-    Parameters
-    ----------
-    vertices_m
-        (V, 3) from that middle, along the axes of the world [m].
-    triangles
-        (T, 3).
-    centre_m
-        (3,) the middle where it rests in the world [m].
-    """
-
-    vertices_m: NDArray[np.float64]
-    triangles: NDArray[np.int64]
-    centre_m: NDArray[np.float64]
+    vertices_m: NDArray[np.float64]  # (V, 3) from that middle, along the axes of the world [m]
+    triangles: NDArray[np.int64]  # (T, 3)
+    centre_m: NDArray[np.float64]  # (3,) the middle where it rests in the world [m]
 
     @classmethod
     def of_object(cls, world: World, thing: int) -> Solid:

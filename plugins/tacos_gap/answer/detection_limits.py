@@ -87,14 +87,10 @@ def _limit(probe: _Probe, term: HypothesisTerm) -> float | None:
 
 @dataclass(frozen=True, eq=False)
 class _Probe:
-    """What is simulated of the evidence.
+    """What is simulated of the evidence."""
 
-    `parts`: one capture of each kind, and all views of boards. `weight`: how many independent numbers one is
-    worth.
-    """
-
-    parts: Sequence[_Part]
-    weight: float
+    parts: Sequence[_Part]  # one capture of each kind, and all views of boards
+    weight: float  # how many independent numbers one is worth
 
     @classmethod
     def of(cls, problem: Problem, left: NDArray[np.float64]) -> _Probe:
@@ -142,28 +138,14 @@ class _Probe:
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """One capture, or view.
-
-    Parameters
-    ----------
-    count
-        How many like it there are.
-    null
-        (K,) its residuals without effects [noise floor].
-    scale
-        (K,) the noise floor of the explanation over the simulator's own.
-    blocks
-        (K,) the block of each number.
-    needed
-        (M,) what the squares of each block must grow by to be significant.
-    """
+    """One capture, or view."""
 
     evidence: Evidence
-    count: int
-    null: NDArray[np.float64]
-    scale: NDArray[np.float64]
-    blocks: NDArray[np.int64]
-    needed: NDArray[np.float64]
+    count: int  # how many like it there are
+    null: NDArray[np.float64]  # (K,) its residuals without effects [noise floor]
+    scale: NDArray[np.float64]  # (K,) the noise floor of the explanation over the simulator's own
+    blocks: NDArray[np.int64]  # (K,) the block of each number
+    needed: NDArray[np.float64]  # (M,) what the squares of each block must grow by to be significant
 
 
 def _brightness(evidence: Evidence) -> float:

@@ -72,7 +72,7 @@ class Cause:
 
     @property
     def is_proven(self) -> bool:
-        """Whether the captures that show it say that it is there, and not only that it would fit."""
+        """True if the captures that show it say that it is there, and not only that it would fit."""
         return self.present >= LEAST_PRESENT
 
 

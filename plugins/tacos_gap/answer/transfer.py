@@ -19,13 +19,11 @@ HEAD = "# Effects that close the gap; add them to a recipe: tacos-run RECIPE --w
 
 @dataclass(frozen=True)
 class Photographed:
-    """The camera of captures, under which pixels and digital numbers are what they are.
-
-    `geometry`, `context`: of the capture that stands for all: lengths of motion hold at its exposure, levels
-    at its gain.
-    """
+    """The camera of captures, under which pixels and digital numbers are what they are."""
 
     geometry: ImageGeometry
+    """With context: of the capture that stands for all: lengths of motion hold at its exposure, levels at its
+    gain."""
     context: ImageContext
 
     @classmethod
@@ -66,22 +64,12 @@ class Photographed:
 
 @dataclass(frozen=True)
 class Added:
-    """A cause as an effect of a recipe for any camera.
-
-    Parameters
-    ----------
-    settings
-        In physical units where it has them.
-    bound
-        Settings that hold for the captured camera alone.
-    left_out
-        Settings that belong to one specimen.
-    """
+    """A cause as an effect of a recipe for any camera."""
 
     use: str
-    settings: Mapping[str, Any]
-    bound: tuple[str, ...] = ()
-    left_out: tuple[str, ...] = ()
+    settings: Mapping[str, Any]  # in physical units where it has them
+    bound: tuple[str, ...] = ()  # settings that hold for the captured camera alone
+    left_out: tuple[str, ...] = ()  # settings that belong to one specimen
 
 
 def added(cause: Cause) -> Added:
@@ -106,7 +94,7 @@ def patch(causes: Sequence[Cause]) -> list[dict[str, Any]]:
 
 
 def of_specimen(kind: type[Settings], name: str) -> bool:
-    """Whether a setting names a file: what was measured on one camera belongs to it alone."""
+    """True if a setting names a file: what was measured on one camera belongs to it alone."""
     extra = kind.model_fields[name].json_schema_extra if name in kind.model_fields else None
     return isinstance(extra, dict) and bool(extra.get("path"))
 

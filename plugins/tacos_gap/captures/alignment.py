@@ -45,7 +45,7 @@ def shifted_left(bits: int, unused: int) -> str:
 
 
 def is_share_of_full_scale(image: NDArray[Any]) -> bool:
-    """Whether values are fractions up to 1, and no digital numbers."""
+    """True if values are fractions up to 1, and no digital numbers."""
     return (
         image.dtype.kind == "f"
         and image.size > 0

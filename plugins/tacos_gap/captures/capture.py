@@ -18,21 +18,13 @@ PRINTED_WITHIN = 0.02
 
 @dataclass(frozen=True)
 class Noise:
-    """Affine noise of the files, before rounding and clipping.
-
-    Parameters
-    ----------
-    photon_dn
-        Variance per DN of signal above the pedestal, one per channel or one for all [DN].
-    thermal_dn2
-        Variance at no signal, likewise [DN^2].
-    known
-        False where it was estimated from the real frames: it then says nothing about the simulator.
-    """
+    """Affine noise of the files, before rounding and clipping."""
 
     photon_dn: tuple[float, ...]
-    thermal_dn2: tuple[float, ...]
+    """Variance per DN of signal above the pedestal, one per channel or one for all [DN]."""
+    thermal_dn2: tuple[float, ...]  # variance at no signal, likewise [DN^2]
     known: bool = True
+    """False where it was estimated from the real frames: it then says nothing about the simulator."""
 
     def variance_dn2(self, signal_dn: NDArray[np.float32], photon_scale: float = 1.0) -> NDArray[np.float32]:
         """Variance for a signal above the pedestal, (..., C) [DN^2]."""
@@ -42,120 +34,75 @@ class Noise:
 
 @dataclass(frozen=True)
 class Board:
-    """A flat target; views of equal boards are views of one and the same.
+    """A flat target; views of equal boards are views of one and the same."""
 
-    Parameters
-    ----------
-    inner_corners
-        Columns and rows of inner corners, or of circles.
-    square_mm
-        Side of its squares, or distance from circle to circle; of rows of asymmetric circles half of it is
-        the distance between rows [mm].
-    pattern
-        chessboard, charuco, circles or asymmetric_circles.
-    marker_mm, dictionary
-        Side of the markers of a ChArUco board [mm], and OpenCV's name of their dictionary.
-    """
-
-    inner_corners: tuple[int, int]
+    inner_corners: tuple[int, int]  # columns and rows of inner corners, or of circles
     square_mm: float
-    pattern: str = "chessboard"
+    """Side of its squares, or distance from circle to circle; of rows of asymmetric circles half of it is the
+    distance between rows [mm]."""
+    pattern: str = "chessboard"  # chessboard, charuco, circles or asymmetric_circles
     marker_mm: float = 0.0
+    """With dictionary: side of the markers of a ChArUco board [mm], and OpenCV's name of their dictionary."""
     dictionary: str = ""
 
 
 @dataclass(frozen=True, eq=False)
 class Objects:
-    """Which object each pixel of a still shows.
+    """Which object each pixel of a still shows."""
 
-    `ids`: (H, W) int32 index into `classes`; 0 is the background.
-    """
-
-    ids: NDArray[np.int32]
+    ids: NDArray[np.int32]  # (H, W) int32 index into `classes`; 0 is the background
     classes: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class Unmoved:
-    """An expectation before another pose moved it, so that effects that move it further read it only once.
+    """An expectation before another pose moved it, so that effects that move it further read it only once."""
 
-    `expected_dn`: (1 or N, H, W, C) float32 expected values [DN]. `source`: (H, W) columns and rows where the
-    moved expectation looks in this one [px].
-    """
-
-    expected_dn: NDArray[np.float32]
-    source: Places
+    expected_dn: NDArray[np.float32]  # (1 or N, H, W, C) float32 expected values [DN]
+    source: Places  # (H, W) columns and rows where the moved expectation looks in this one [px]
 
 
 @dataclass(frozen=True, eq=False)
 class RealCapture:
-    """Real frames of one thing under one setting, and what the simulator expects.
-
-    Parameters
-    ----------
-    real_dn
-        (N, H, W, C) float32 files, C = 1 or 3 [DN].
-    expected_dn
-        (1 or N, H, W, C) float32 noise-free expected values with the pedestal [DN]; None for a board.
-    valid
-        (H, W) bool; False where `expected_dn` says nothing.
-    geometry, context
-        Where the pixels lie, and what else is known of the capture.
-    sensor
-        The sensor component that simulates it; None stands for `noise`.
-    exposure_stated
-        Whether ``exposure_ms`` was given.
-    group, level_uncertainty, expected_frames, board
-        As in ``captures.yaml``; `expected_frames` 0 stands for an expectation without noise.
-    coding
-        How its files were coded, by their own headers; None where they are not lossy.
-    own_edges
-        Whether `expected_dn` was read off the edges of the pictures themselves: it then says how sharp they
-        would be, and neither where they are nor how bright.
-    patches
-        (P, 4) int x, y, width, height of chart patches [px], and (P, 3) float expected linear RGB [DN].
-    row_time_us
-        Readout from row to row that is in `expected_dn` already [us].
-    motion_blurred
-        Whether the blur of motion during the exposure is in `expected_dn` already.
-    taken_s
-        When it was taken, from the same moment on as others of its folder; None where nobody said it [s].
-    unstated
-        What of the lens nobody stated: focal_length, principal_point.
-    corners
-        (K, 3) points of the board [mm] and (K, 2) where they are seen [px]; None until they were found.
-    objects
-        What a still shows, for tasks that find things; None where nobody labelled it.
-    unmoved
-        What `expected_dn` was before it was moved to another pose; None where it was not.
-    """
+    """Real frames of one thing under one setting, and what the simulator expects."""
 
     id: str
     kind: str
-    real_dn: NDArray[np.float32]
+    real_dn: NDArray[np.float32]  # (N, H, W, C) float32 files, C = 1 or 3 [DN]
     expected_dn: NDArray[np.float32] | None
-    valid: NDArray[np.bool_]
-    geometry: ImageGeometry
+    """(1 or N, H, W, C) float32 noise-free expected values with the pedestal [DN]; None for a board."""
+    valid: NDArray[np.bool_]  # (H, W) bool; False where `expected_dn` says nothing
+    geometry: ImageGeometry  # with context: where the pixels lie, and what else is known of the capture
     context: ImageContext
     noise: Noise
-    exposure_stated: bool = True
+    exposure_stated: bool = True  # whether ``exposure_ms`` was given
     group: str | None = None
+    """With level_uncertainty and expected_frames and board: as in ``captures.yaml``; `expected_frames` 0
+    stands for an expectation without noise."""
     level_uncertainty: float = 0.0
     expected_frames: int = 0
     board: Board | None = None
     coding: FileCoding | None = None
+    """How its files were coded, by their own headers; None where they are not lossy."""
     own_edges: bool = False
+    """Whether `expected_dn` was read off the edges of the pictures themselves: it then says how sharp they
+    would be, and neither where they are nor how bright."""
     edge_angle_deg: float | None = None
     patches: tuple[NDArray[np.int64], NDArray[np.float64]] | None = None
-    row_time_us: float = 0.0
-    motion_blurred: bool = False
+    """(P, 4) int x, y, width, height of chart patches [px], and (P, 3) float expected linear RGB [DN]."""
+    row_time_us: float = 0.0  # readout from row to row that is in `expected_dn` already [us]
+    motion_blurred: bool = False  # whether the blur of motion during the exposure is in `expected_dn` already
     taken_s: float | None = None
-    sensor: PlacedSensor | None = None
+    """When it was taken, from the same moment on as others of its folder; None where nobody said it [s]."""
+    sensor: PlacedSensor | None = None  # the sensor component that simulates it; None stands for `noise`
     notes: tuple[str, ...] = ()
-    unstated: frozenset[str] = frozenset()
+    unstated: frozenset[str] = frozenset()  # what of the lens nobody stated: focal_length, principal_point
     corners: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
+    """(K, 3) points of the board [mm] and (K, 2) where they are seen [px]; None until they were found."""
     objects: Objects | None = None
+    """What a still shows, for tasks that find things; None where nobody labelled it."""
     unmoved: Unmoved | None = None
+    """What `expected_dn` was before it was moved to another pose; None where it was not."""
 
     @property
     def frames(self) -> int:
@@ -179,7 +126,7 @@ class RealCapture:
 
     @property
     def is_structured(self) -> bool:
-        """Whether it shows edges or texture, rather than an even field."""
+        """True if it shows edges or texture, rather than an even field."""
         return self.kind not in ("dark", "flat", "board") and self.expected_dn is not None
 
 

@@ -54,7 +54,7 @@ def _smooth(image: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def _is_structured(own: NDArray[np.float32], smooth: NDArray[np.float32], capture: RealCapture) -> bool:
-    """Whether tiles part from smooth light by more than noise."""
+    """True if tiles part from smooth light by more than noise."""
     signal = smooth.mean(axis=(0, 1)) - np.float32(capture.context.black_level_dn)
     noise = capture.noise.variance_dn2(signal) / (capture.expected_frames * TILE_PX**2)
     allowed = BEYOND_NOISE * (noise + (WITHIN * signal) ** 2)
@@ -64,7 +64,7 @@ def _is_structured(own: NDArray[np.float32], smooth: NDArray[np.float32], captur
 
 
 def _share_a_pattern(own: NDArray[np.float32], real: NDArray[np.float32]) -> bool:
-    """Whether (H, W, C) deviations from smooth light are correlated, pixel by pixel."""
+    """True if (H, W, C) deviations from smooth light are correlated, pixel by pixel."""
     norm = float(np.linalg.norm(own) * np.linalg.norm(real))
     correlation = float(np.vdot(own, real)) / norm if norm else 0.0
     return correlation * np.sqrt(own.size) > SHARED

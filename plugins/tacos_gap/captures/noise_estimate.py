@@ -44,7 +44,7 @@ def estimate_noise(
     valid
         (H, W) pixels that count.
     mosaic
-        Whether neighbours have other colours.
+        True if neighbours have other colours.
     """
     static = len(real_dn) > 1 and (expected_dn is None or len(expected_dn) == 1)
     if static:  # pixels by themselves tell it, and some of many do

@@ -110,7 +110,7 @@ def _signals_dn(capture: RealCapture) -> tuple[float, float] | None:
 
 
 def _alike(member: tuple[RealCapture, float, float], capture: RealCapture, expected_dn: float) -> bool:
-    """Whether a capture should be as bright as a member of a series, and is of the same kind."""
+    """True if a capture should be as bright as a member of a series, and is of the same kind."""
     other, level_dn, _ = member
     return (
         (other.kind, other.context.gain_db, other.context.exposure_s)

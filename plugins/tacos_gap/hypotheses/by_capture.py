@@ -36,7 +36,7 @@ def of_capture(setting: str, capture: str) -> str:
 
 
 def is_of_one_capture(name: str) -> bool:
-    """Whether a parameter holds for one capture alone."""
+    """True if a parameter holds for one capture alone."""
     return _AT in name
 
 

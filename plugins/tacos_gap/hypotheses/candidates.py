@@ -74,7 +74,7 @@ def candidates(plugins: Plugins, without: tuple[str, ...] = ()) -> Candidates:
 
 
 def _guesses(cls: type[Any]) -> bool:
-    """Whether a class says where to begin: one that names no guess is no flaw of a capture."""
+    """True for a class with initial guesses: one without is no flaw of a capture."""
     initial = optional(cls, EffectBase, "initial_guesses")
     return initial is None or len(initial) > 0 or callable(optional(cls, EffectBase, "guesses_from"))
 

@@ -16,19 +16,16 @@ from tacos_gap.hypotheses.parameters import HypothesisTerm, initial_guesses_of
 
 @dataclass(frozen=True)
 class ClosedForm:
-    """What captures tell of a parameter of an effect.
+    """What captures tell of a parameter of an effect."""
 
-    `effect`: Name, without ``effect.``. `neutral`: where the parameter does nothing, in its unit.
-    """
-
-    effect: str
+    effect: str  # name, without ``effect.``
     estimate: Estimate
-    neutral: float
+    neutral: float  # where the parameter does nothing, in its unit
     unit: str
 
     @property
     def says(self) -> Literal["seen", "excluded", "open"]:
-        """Whether the effect is surely there by it, surely negligible, or neither."""
+        """Verdict on the effect: surely there, surely negligible, or neither."""
         if self.estimate.is_seen(self.neutral):
             return "seen"
         return "excluded" if self.estimate.is_excluded(self.neutral) else "open"

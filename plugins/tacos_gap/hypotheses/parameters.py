@@ -23,21 +23,14 @@ SUGGESTED_STEP = 0.1
 
 @dataclass(frozen=True)
 class HypothesisTerm:
-    """One effect of a hypothesis.
-
-    Parameters
-    ----------
-    values
-        Parameters that differ from the class's defaults; those of one capture are as
-        `tacos_gap.hypotheses.by_capture` names them.
-    free
-        Names of those that are fitted, each with a step that matters.
-    """
+    """One effect of a hypothesis."""
 
     name: str
     cls: type[Any]
     values: Mapping[str, Any]
-    free: Mapping[str, float]
+    """Parameters that differ from the class's defaults; those of one capture are as
+    `tacos_gap.hypotheses.by_capture` names them."""
+    free: Mapping[str, float]  # names of those that are fitted, each with a step that matters
 
     @property
     def use(self) -> str:

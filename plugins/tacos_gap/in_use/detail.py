@@ -28,21 +28,11 @@ Plane = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Detail:
-    """What one frame shows.
+    """What one frame shows."""
 
-    Parameters
-    ----------
-    seen
-        Logarithm of its detail over that of the shorter exposure, the median of tiles [1].
-    error
-        Standard error of that [1].
-    of_path
-        The same, as blur along the path of each pixel makes it [1].
-    """
-
-    seen: float
-    error: float
-    of_path: float
+    seen: float  # logarithm of its detail over that of the shorter exposure, the median of tiles [1]
+    error: float  # standard error of that [1]
+    of_path: float  # the same, as blur along the path of each pixel makes it [1]
     path_px: float
 
 

@@ -28,21 +28,12 @@ _SHORTER = 4.0
 
 @dataclass(frozen=True, eq=False)
 class InUse:
-    """What a recording tells of its camera.
+    """What a recording tells of its camera."""
 
-    Parameters
-    ----------
-    response
-        From codes to light, as the exposures have it.
-    response_error
-        (K,) relative error of light at its codes: half of what two halves of the frames differ by [1].
-    blurs
-        For each exposure but the shortest.
-    """
-
-    response: Response
+    response: Response  # from codes to light, as the exposures have it
     response_error: NDArray[np.float64]
-    blurs: tuple[MotionBlur, ...]
+    """(K,) relative error of light at its codes: half of what two halves of the frames differ by [1]."""
+    blurs: tuple[MotionBlur, ...]  # for each exposure but the shortest
 
     @property
     def causes_in_motion(self) -> dict[str, list[str]]:
@@ -91,7 +82,7 @@ class InUse:
 
 
 def is_recording(folder: str | Path) -> bool:
-    """Whether a folder holds a recording rather than captures beside their simulation."""
+    """True if a folder holds a recording rather than captures beside their simulation."""
     path = Path(folder)
     return (path / TIMES).is_file() and not (path / "captures.yaml").is_file()
 

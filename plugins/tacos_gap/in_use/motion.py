@@ -22,32 +22,23 @@ _FEWEST = 4
 
 @dataclass(frozen=True)
 class MotionBlur:
-    """Blur of an exposure, in shares of what the path of each pixel makes.
-
-    Parameters
-    ----------
-    share
-        1 where an exposure is blurred as its motion says, 0 where not at all; None where frames cannot tell.
-    interval
-        95 % of the share [1].
-    path_px
-        Path of the usual pixel in the frames in motion, on average [px].
-    rest
-        Largest departure of a frame at rest from the others at rest, in its detail, and what scatter
-        of tiles keeps it within in 19 of 20 recordings [1].
-    """
+    """Blur of an exposure, in shares of what the path of each pixel makes."""
 
     exposure_ms: float
     frames_at_rest: int
     frames_moving: int
     share: float | None
-    interval: tuple[float, float] | None
-    path_px: float
+    """1 where an exposure is blurred as its motion says, 0 where not at all; None where frames cannot
+    tell."""
+    interval: tuple[float, float] | None  # 95 % of the share [1]
+    path_px: float  # path of the usual pixel in the frames in motion, on average [px]
     rest: tuple[float, float] | None
+    """Largest departure of a frame at rest from the others at rest, in its detail, and what scatter of tiles
+    keeps it within in 19 of 20 recordings [1]."""
 
     @property
     def present(self) -> bool:
-        """Whether the exposure is blurred by motion for sure."""
+        """True if the exposure is blurred by motion for sure."""
         return self.interval is not None and self.interval[0] > 0
 
 

@@ -34,7 +34,7 @@ def in_its_best_form(
 
 
 def _is_another_form(guess: HypothesisTerm, term: HypothesisTerm) -> bool:
-    """Whether it has settings that the term lacks: several, or one in place of a value for each capture."""
+    """True if it has settings that the term lacks: several, or one in place of a value for each capture."""
     return not set(guess.free) <= set(term.values) and (
         len(guess.free) > 1 or bool(captures_with_values(term.values))
     )

@@ -80,21 +80,11 @@ class Share:
 
 @dataclass(frozen=True)
 class Closures:
-    """How far an explanation shrinks the gap, its parameters held out.
+    """How far an explanation shrinks the gap, its parameters held out."""
 
-    Parameters
-    ----------
-    together
-        By all effects.
-    fair
-        By each, as its fair share of that (Shapley 1953); they add up to `together`.
-    alone
-        By each if it were the only one, its parameters as fitted together.
-    """
-
-    together: Share
-    fair: Mapping[str, Share]
-    alone: Mapping[str, Share]
+    together: Share  # by all effects
+    fair: Mapping[str, Share]  # by each, as its fair share of that (Shapley 1953); they add up to `together`
+    alone: Mapping[str, Share]  # by each if it were the only one, its parameters as fitted together
 
 
 def closures_of(problem: Problem, best: Fitted, rng: np.random.Generator, draws: int = 200) -> Closures:

@@ -45,32 +45,18 @@ DRAWS = 4
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """A hypothesis with fitted parameters.
-
-    Parameters
-    ----------
-    z
-        (K,) residuals left [noise floor].
-    jacobian
-        (K, P) change of the robust residuals per step of each free parameter.
-    steps
-        (P,) those steps, in the parameters' units.
-    score
-        Log score on held-out conditions, less what values of single captures must gain [nat]; higher is
-        better.
-    held_out
-        (K,) residuals where each half is predicted with parameters fitted on the other [noise floor].
-    draws
-        How many simulations `z` is the mean of.
-    """
+    """A hypothesis with fitted parameters."""
 
     hypothesis: Hypothesis
-    z: NDArray[np.float64]
-    jacobian: NDArray[np.float64]
-    steps: NDArray[np.float64]
+    z: NDArray[np.float64]  # (K,) residuals left [noise floor]
+    jacobian: NDArray[np.float64]  # (K, P) change of the robust residuals per step of each free parameter
+    steps: NDArray[np.float64]  # (P,) those steps, in the parameters' units
     score: float
+    """Log score on held-out conditions, less what values of single captures must gain [nat]; higher is
+    better."""
     held_out: NDArray[np.float64]
-    draws: int = 1
+    """(K,) residuals where each half is predicted with parameters fitted on the other [noise floor]."""
+    draws: int = 1  # how many simulations `z` is the mean of
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -55,21 +55,12 @@ def half_widths(problem: Problem, fitted: Fitted, confidence: float = 0.9) -> ND
 
 @dataclass(frozen=True, eq=False)
 class EveryParameter:
-    """What is known of all parameters of an explanation, those put back to neutral among them.
+    """What is known of all parameters of an explanation, those put back to neutral among them."""
 
-    Parameters
-    ----------
-    hypothesis
-        The explanation with all of them free.
-    half_width
-        (P,) half of each one's interval, in the parameters' units.
-    move
-        (P,) how far they would move if they were fitted together, to first order, likewise.
-    """
-
-    hypothesis: Hypothesis
-    half_width: NDArray[np.float64]
+    hypothesis: Hypothesis  # the explanation with all of them free
+    half_width: NDArray[np.float64]  # (P,) half of each one's interval, in the parameters' units
     move: NDArray[np.float64]
+    """(P,) how far they would move if they were fitted together, to first order, likewise."""
 
 
 def of_every_parameter(problem: Problem, fitted: Fitted, confidence: float = 0.9) -> EveryParameter:

@@ -20,15 +20,12 @@ LEAST_SQUARE = 1.5
 
 @dataclass(frozen=True)
 class Place:
-    """A statistic that differs.
-
-    `z`: largest difference, signed [noise floor]. `share`: its share in the squared gap.
-    """
+    """A statistic that differs."""
 
     stage: str
     statistic: str
-    z: float
-    share: float
+    z: float  # largest difference, signed [noise floor]
+    share: float  # its share in the squared gap
     at: dict[str, Any]
     captures: tuple[str, ...]
 

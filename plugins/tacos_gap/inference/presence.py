@@ -1,4 +1,4 @@
-"""Whether an effect is there, whatever else is: judged by the captures that show it."""
+"""Presence of an effect, whatever else is there: judged by the captures that show it."""
 
 from __future__ import annotations
 
@@ -13,14 +13,10 @@ from tacos_gap.inference.unknown import SLACK, block_index
 
 @dataclass(frozen=True)
 class Proof:
-    """Which shares of the squared gap prove an effect.
+    """Which shares of the squared gap prove an effect."""
 
-    `mimicked`: up to this share something else could look so. `proven`: from this one on nothing would,
-    whatever is left elsewhere.
-    """
-
-    mimicked: float
-    proven: float
+    mimicked: float  # up to this share something else could look so
+    proven: float  # from this one on nothing would, whatever is left elsewhere
 
     def by(self, share: float) -> float:
         """Score from 0 to 1 that nothing unknown looks like an effect that explains such a share.

@@ -106,7 +106,7 @@ def _shares_of_priors(evidence: Sequence[Evidence], hypothesis: Hypothesis) -> d
 
 
 def _are_close(shares: dict[str, float], others: dict[str, float]) -> bool:
-    """Whether the same priors are narrowed, by factors within `CLOSE_SHARES`."""
+    """True if the same priors are narrowed, by factors within `CLOSE_SHARES`."""
     return shares.keys() == others.keys() and all(
         1 / CLOSE_SHARES < share / others[name] < CLOSE_SHARES for name, share in shares.items()
     )

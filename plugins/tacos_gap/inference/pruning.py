@@ -57,7 +57,7 @@ def restored(problem: Problem, fitted: Fitted, least: float) -> Fitted:
 
 
 def _is_of_a_whole(name: str) -> bool:
-    """Whether a parameter stays free with others: an entry of a matrix or curve, the value of one capture."""
+    """True if a parameter stays free with others: an entry of a matrix or curve, the value of one capture."""
     return "." in name or is_of_one_capture(name)
 
 

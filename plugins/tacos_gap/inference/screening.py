@@ -38,14 +38,11 @@ ScreeningDirections = Mapping[str, Sequence[ScreeningDirection]]
 
 @dataclass(frozen=True, eq=False)
 class ScreeningScore:
-    """Screening score: how much an effect could gain, to first order.
+    """Screening score: how much an effect could gain, to first order."""
 
-    `gain`: fall of the sum of robust squares. `initial_guesses`: where its fit may begin; the best first, as
-    far as first order tells.
-    """
-
-    gain: float
+    gain: float  # fall of the sum of robust squares
     initial_guesses: tuple[HypothesisTerm, ...]
+    """Where its fit may begin; the best first, as far as first order tells."""
 
 
 def try_all(problem: Problem, effects: Mapping[str, type[Any]], each: Map = map) -> ScreeningDirections:

@@ -16,14 +16,12 @@ _LEAST_MEAN = 1e-3  # of a sum of squares in units of the noise floor: blocks wi
 
 @dataclass(frozen=True, eq=False)
 class BlockTest:
-    """p-values of blocks (a statistic of a capture) and of the most extreme one among many.
+    """p-values of blocks (a statistic of a capture) and of the most extreme one among many."""
 
-    `p_values`: (M,) of each block alone. `location`, `spread`: of the Gumbel distribution that the largest
-    -log p of all blocks follows in the simulator's own replicates, each tested against the others.
-    """
-
-    p_values: NDArray[np.float64]
+    p_values: NDArray[np.float64]  # (M,) of each block alone
     location: float
+    """With spread: of the Gumbel distribution that the largest -log p of all blocks follows in the
+    simulator's own replicates, each tested against the others."""
     spread: float
 
     def least_p_value(self, p_value: float) -> float:

@@ -1,4 +1,4 @@
-"""Whether more is left after the best explanation than the simulator differs from itself, and where."""
+"""The rest after the best explanation, against how far the simulator differs from itself."""
 
 from __future__ import annotations
 
@@ -43,43 +43,26 @@ IN_PART = 2.0
 
 @dataclass(frozen=True)
 class Unexplained:
-    """What is left.
-
-    Parameters
-    ----------
-    score
-        From 0 to 1, that an effect outside the catalogue is at work: no probability, but a ramp between the
-        shares `TOLERATED` and `CERTAIN` of the gap.
-    p_value
-        That the simulator differs from itself as much anywhere.
-    gap
-        What is left [noise floor].
-    share
-        What is left of the squared gap above the noise floor, over what there was.
-    where
-        Statistic that holds most of it; None where nothing is left.
-    worst
-        Statistic that holds most of what differs, however little; None of no evidence.
-    by_stage, by_capture
-        The score for the statistics of a stage, or of a capture, alone.
-    negligible
-        Whether all blocks that differ significantly lie within the noise floor: equivalence margins are part
-        of it, and a steady simulator makes differences within them significant.
-    """
+    """What is left."""
 
     score: float
-    p_value: float
-    gap: float
-    share: float
-    where: str | None
+    """From 0 to 1, that an effect outside the catalogue is at work: no probability, but a ramp between the
+    shares `TOLERATED` and `CERTAIN` of the gap."""
+    p_value: float  # that the simulator differs from itself as much anywhere
+    gap: float  # what is left [noise floor]
+    share: float  # what is left of the squared gap above the noise floor, over what there was
+    where: str | None  # statistic that holds most of it; None where nothing is left
     by_stage: Mapping[str, float] = field(default_factory=dict)
+    """With by_capture: the score for the statistics of a stage, or of a capture, alone."""
     by_capture: Mapping[str, float] = field(default_factory=dict)
     negligible: bool = False
-    worst: str | None = None
+    """Whether all blocks that differ significantly lie within the noise floor: equivalence margins are part
+    of it, and a steady simulator makes differences within them significant."""
+    worst: str | None = None  # statistic that holds most of what differs, however little; None of no evidence
 
     @property
     def is_significant(self) -> bool:
-        """Whether anything is left to explain."""
+        """True if anything is left to explain."""
         return self.p_value < SIGNIFICANT and not self.negligible
 
     def beside(self, after: float) -> Unexplained:
@@ -140,7 +123,7 @@ def _over_captures(
 
 
 def _matters(test: BlockTest, z: NDArray[np.float64], blocks: NDArray[np.int64], p_value: float) -> bool:
-    """Whether any block is significant and beyond the noise floor."""
+    """True if any block is significant and beyond the noise floor."""
     significant = test.p_values <= test.least_p_value(p_value)
     return bool(np.any(significant & (np.bincount(blocks, z**2) > np.bincount(blocks))))
 

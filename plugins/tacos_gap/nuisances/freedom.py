@@ -55,7 +55,7 @@ class Freedom:
 
     @property
     def is_followed(self) -> bool:
-        """Whether an expectation can be made that has it; noise cannot be taken out of one."""
+        """True if an expectation can be made that has it; noise cannot be taken out of one."""
         return self.name != "noise_share"
 
     def within(self, share: float) -> Freedom:
@@ -92,7 +92,7 @@ def freedoms_of(capture: RealCapture) -> tuple[Freedom, ...]:
 
 
 def _is_registrable(capture: RealCapture) -> bool:
-    """Whether it shows something to register."""
+    """True if it shows something to register."""
     if not capture.is_structured:
         return False
     assert capture.expected_dn is not None

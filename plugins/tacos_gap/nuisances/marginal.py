@@ -19,14 +19,11 @@ _ROBUST_SCALE = 10.0  # beyond it a residual weighs less, as in `problem.robust`
 
 @dataclass(frozen=True, eq=False)
 class Marginal:
-    """The freedom of a capture's nuisances.
-
-    `directions`: (K, F) change of the simulated numbers per standard deviation of each nuisance [noise
-    floor]. `nu`: (F,) where the expectation stands [standard deviations].
-    """
+    """The freedom of a capture's nuisances."""
 
     directions: NDArray[np.float64]
-    nu: NDArray[np.float64]
+    """(K, F) change of the simulated numbers per standard deviation of each nuisance [noise floor]."""
+    nu: NDArray[np.float64]  # (F,) where the expectation stands [standard deviations]
 
     def whitened(
         self, z: NDArray[np.float64], scale: NDArray[np.float64] | float = 1.0

@@ -22,7 +22,7 @@ def check_all(*checks: Callable[[], Any]) -> None:
 
 
 def check_captures(folder: str, plugins: Plugins) -> None:
-    """Whether a folder of captures can be read, each of its files included: a run then begins with all of it.
+    """Read a folder of captures, each of its files included: a run then begins with all of it.
 
     Raises UserError with every fault of the folder.
     """

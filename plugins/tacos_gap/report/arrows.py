@@ -21,23 +21,13 @@ from tacos_report.quantities import number
 
 @dataclass(frozen=True, eq=False)
 class Displacements:
-    """Arrows over an image.
-
-    Parameters
-    ----------
-    places_px
-        (K, 2) where they start, x and y [px].
-    before_px, after_px
-        (K, 2) real less simulated position [px].
-    size_px
-        Width and height of the image [px].
-    """
+    """Arrows over an image."""
 
     title: str
-    places_px: NDArray[np.float64]
-    before_px: NDArray[np.float64]
+    places_px: NDArray[np.float64]  # (K, 2) where they start, x and y [px]
+    before_px: NDArray[np.float64]  # with after_px: (K, 2) real less simulated position [px]
     after_px: NDArray[np.float64]
-    size_px: tuple[int, int]
+    size_px: tuple[int, int]  # width and height of the image [px]
 
 
 def of_tiles(numbers: Numbers) -> list[Displacements]:

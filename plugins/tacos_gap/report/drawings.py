@@ -80,7 +80,7 @@ class Artist:
 
 
 def is_wide(numbers: Numbers, *, compared: bool = True) -> bool:
-    """Whether a drawing takes the whole width: several panels, maps and arrows before and after."""
+    """True if a drawing takes the whole width: several panels, maps and arrows before and after."""
     kind = over(label.at for label in numbers.labels)
     if numbers.statistic in CODES:
         return False

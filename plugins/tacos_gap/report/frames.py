@@ -29,33 +29,18 @@ _KINDS = ("scene", "chart", "edge", "sequence", "bracket", "flat", "dark")
 
 @dataclass(frozen=True, eq=False)
 class ComparedFrames:
-    """Frames of a capture as pictures.
-
-    Parameters
-    ----------
-    whole
-        (H, W, 3) uint8 each: real, before, after (or without the last).
-    crops
-        Likewise, of the part that differs most, enlarged.
-    differences
-        Real less before and after, in blue and vermilion.
-    reach_dn
-        The difference drawn in full colour [DN].
-    rms_dn
-        Root mean square of what is drawn as differences, before and after [DN].
-    noise_dn
-        The same of two simulations that differ in their noise alone: what a perfect one would leave [DN].
-    """
+    """Frames of a capture as pictures."""
 
     capture: str
     kind: str
-    whole: Sequence[NDArray[np.uint8]]
-    crops: Sequence[NDArray[np.uint8]]
-    differences: Sequence[NDArray[np.uint8]]
-    reach_dn: float
+    whole: Sequence[NDArray[np.uint8]]  # (H, W, 3) uint8 each: real, before, after (or without the last)
+    crops: Sequence[NDArray[np.uint8]]  # likewise, of the part that differs most, enlarged
+    differences: Sequence[NDArray[np.uint8]]  # real less before and after, in blue and vermilion
+    reach_dn: float  # the difference drawn in full colour [DN]
     stretched: bool
-    rms_dn: Sequence[float]
+    rms_dn: Sequence[float]  # root mean square of what is drawn as differences, before and after [DN]
     noise_dn: float
+    """The same of two simulations that differ in their noise alone: what a perfect one would leave [DN]."""
 
 
 def to_show(
@@ -123,7 +108,7 @@ def _range(capture: RealCapture) -> tuple[float, float, bool]:
 
 
 def _toned(capture: RealCapture, effects: Sequence[PlacedEffect]) -> tuple[bool, bool, bool]:
-    """Whether the real frame, the simulation before and that after have a tone curve of their own."""
+    """For the real frame, the simulation before and that after: True with a tone curve of its own."""
     after = any(effect.use == _TONE for effect in effects)
     return capture.coding is not None or after, False, after
 

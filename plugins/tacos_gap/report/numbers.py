@@ -17,30 +17,17 @@ from tacos_gap.inference.problem import Problem
 
 @dataclass(frozen=True, eq=False)
 class Numbers:
-    """All numbers of a statistic, over the captures it was taken in.
+    """All numbers of a statistic, over the captures it was taken in."""
 
-    Parameters
-    ----------
-    statistic, stage
-        Its name, and the stage of image formation it shows most often.
-    z_before, z_after
-        (K,) real less simulated [noise floor].
-    sigma
-        (K,) one noise-floor unit, in the statistic's unit.
-    real
-        (K,) of the real frames, in the statistic's unit; NaN where only differences are known.
-    gap_before, gap_after
-        Root mean square of the differences [noise floor].
-    """
-
-    statistic: str
+    statistic: str  # with stage: its name, and the stage of image formation it shows most often
     stage: str
     labels: Sequence[Label]
-    z_before: NDArray[np.float64]
+    z_before: NDArray[np.float64]  # with z_after: (K,) real less simulated [noise floor]
     z_after: NDArray[np.float64]
-    sigma: NDArray[np.float64]
+    sigma: NDArray[np.float64]  # (K,) one noise-floor unit, in the statistic's unit
     real: NDArray[np.float64]
-    gap_before: float
+    """(K,) of the real frames, in the statistic's unit; NaN where only differences are known."""
+    gap_before: float  # with gap_after: root mean square of the differences [noise floor]
     gap_after: float
 
     @property

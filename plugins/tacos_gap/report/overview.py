@@ -22,7 +22,7 @@ _STAND_OUT = 1.3
 def overview(numbers: Mapping[str, Numbers], *, explained: bool, narrow: bool = False) -> str:
     """SVG of a line per statistic from its gap before to its gap after; the largest `MOST` of them.
 
-    `explained`: whether anything was added; else only what was before is drawn. `narrow`: for the width of a
+    `explained`: true if anything was added; else only what was before is drawn. `narrow`: for the width of a
     phone: what is compared stands above its line.
     """
     rows = _rows(list(numbers.values()))

@@ -41,10 +41,7 @@ MOST_SCORES = 3
 
 @dataclass(frozen=True)
 class Circumstances:
-    """How a diagnosis was run, for who wants to repeat it.
-
-    `decision`: what becomes of a study; empty where none was asked for.
-    """
+    """How a diagnosis was run, for who wants to repeat it."""
 
     seed: int
     command: str
@@ -52,6 +49,7 @@ class Circumstances:
     seconds: float
     without: tuple[str, ...] = ()
     decision: Mapping[str, Any] = field(default_factory=dict)
+    """What becomes of a study; empty where none was asked for."""
     considered: Mapping[str, type[Any]] = field(default_factory=dict)
 
 

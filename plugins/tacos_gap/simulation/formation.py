@@ -198,7 +198,7 @@ class _Watched(EpisodeDraws):
 
     @property
     def used(self) -> bool:
-        """Whether a generator has moved on, or anything is remembered."""
+        """True if a generator has moved on, or anything is remembered."""
         return any(self._memories.values()) or any(_state(rng) != before for rng, before in self._given)
 
 
@@ -272,7 +272,7 @@ def _is_still(context: ImageContext) -> bool:
 
 
 def _per_frame(context: ImageContext) -> tuple[bool, bool]:
-    """Whether depth and motion are given frame by frame."""
+    """For depth and for motion: True if given frame by frame."""
     depth, velocity = context.depth_m, context.velocity_px_s
     return depth is not None and depth.ndim == 3, isinstance(velocity, np.ndarray) and velocity.ndim == 4
 

@@ -35,13 +35,11 @@ class TruthMissing(RuntimeError):
 
 @dataclass(frozen=True, eq=False)
 class CapturedView(View):
-    """What a real camera faced; reading what nobody knows of it raises `TruthMissing`.
-
-    `unknown`: arrays of the view that hold nothing. They are hidden once the frames are put together, as
-    their shapes are checked then.
-    """
+    """What a real camera faced; reading what nobody knows of it raises `TruthMissing`."""
 
     unknown: frozenset[str] = frozenset()
+    """Arrays of the view that hold nothing. They are hidden once the frames are put together, as their shapes
+    are checked then."""
 
     def __getattribute__(self, name: str) -> Any:
         """An attribute, unless nobody knows it."""

@@ -29,23 +29,14 @@ DEFAULT_NODE = "features"
 
 @dataclass(frozen=True)
 class RecipeTask:
-    """A task as a recipe has it.
-
-    Parameters
-    ----------
-    state
-        What it has learnt; None for a task that does not learn.
-    why_not
-        Why it cannot be scored on captures at all, in a sentence; empty where it can.
-    counted
-        Those of its scores that the recipe's fitness counts.
-    """
+    """A task as a recipe has it."""
 
     node: str
     part: ConfiguredComponent
     state: State | None = field(default=None, compare=False, repr=False)
-    why_not: str = ""
-    counted: tuple[str, ...] = ()
+    """What it has learnt; None for a task that does not learn."""
+    why_not: str = ""  # why it cannot be scored on captures at all, in a sentence; empty where it can
+    counted: tuple[str, ...] = ()  # those of its scores that the recipe's fitness counts
 
     @property
     def title(self) -> str:
@@ -58,7 +49,7 @@ class RecipeTask:
             return self.part.instance.begin(state=self.state)
 
     def lower_is_better(self, score: str) -> bool:
-        """Whether a score is an error."""
+        """True if a score is an error."""
         return score in optional(self.part.cls, TaskBase, "lower_is_better")
 
 

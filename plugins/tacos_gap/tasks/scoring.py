@@ -44,14 +44,10 @@ class CaptureScores:
 
 @dataclass(frozen=True)
 class ScoredTasks:
-    """What tasks scored, and why some could not.
+    """What tasks scored, and why some could not."""
 
-    `captures`: scores of each capture that showed something. `left_out`: for each task that gave no score,
-    its title and why, in a sentence.
-    """
-
-    captures: tuple[CaptureScores, ...]
-    left_out: tuple[str, ...]
+    captures: tuple[CaptureScores, ...]  # scores of each capture that showed something
+    left_out: tuple[str, ...]  # for each task that gave no score, its title and why, in a sentence
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -128,7 +124,7 @@ def _on_capture(
 def _is_able(
     task: RecipeTask, capture: RealCapture, frames: NDArray[np.float32], why: dict[str, str]
 ) -> bool:
-    """Whether a task can be scored on a capture."""
+    """True if a task can be scored on a capture."""
     lacks = optional(task.part.instance, TaskBase, "lacks")
     if callable(lacks) and (reason := lacks(Rig((camera_of(capture),)))):
         why[task.node] = f"of the captures' single camera {reason}"

@@ -19,24 +19,15 @@ ERROR = 0.1
 
 @dataclass(frozen=True)
 class TaskScore:
-    """A score in reality, in the simulation as it was, and with the causes.
+    """A score in reality, in the simulation as it was, and with the causes."""
 
-    Parameters
-    ----------
-    real, sim_before, sim_after
-        Means over the captures that have it.
-    intervals
-        90 % interval of each, as noise spreads it on the scenes that were photographed; None where no frame
-        was taken twice.
-    captures
-        How many captures have it.
-    """
-
-    real: float
+    real: float  # with sim_before and sim_after: means over the captures that have it
     sim_before: float
     sim_after: float
     intervals: dict[str, tuple[float, float]] | None
-    captures: int
+    """90 % interval of each, as noise spreads it on the scenes that were photographed; None where no frame
+    was taken twice."""
+    captures: int  # how many captures have it
 
     def as_data(self) -> dict[str, Any]:
         means = {name: round(getattr(self, name), 4) for name in STACKS}

@@ -13,22 +13,13 @@ from tacos_report.palette import MUTED, PAPER, RULE
 
 @dataclass(frozen=True)
 class Carrier:
-    """Drawing of one carrier.
+    """Drawing of one carrier."""
 
-    Parameters
-    ----------
-    paint
-        Draws it on axes in metres, with the camera at a height.
-    behind_m, ahead_m
-        Room that the drawing needs behind the camera, and how far ahead it reaches.
-    camera
-        What the camera is called on it.
-    """
-
-    paint: Callable[[Axes, float], None]
+    paint: Callable[[Axes, float], None]  # draws it on axes in metres, with the camera at a height
     behind_m: float
+    """With ahead_m: room that the drawing needs behind the camera, and how far ahead it reaches."""
     ahead_m: float
-    camera: str
+    camera: str  # what the camera is called on it
 
 
 def carrier_of(name: str) -> Carrier:

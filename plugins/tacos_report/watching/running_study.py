@@ -21,24 +21,16 @@ MOST_SHOWN = 8
 
 @dataclass(frozen=True)
 class RunningStudy:
-    """A study at one moment.
-
-    Parameters
-    ----------
-    last_line
-        The last line of its log, which says what it does.
-    written_at_s
-        When the study last wrote to its folder, in seconds since the epoch; pages are written by others too.
-    stopped
-        Why it ended; None while it runs, and where its process was killed.
-    """
+    """A study at one moment."""
 
     name: str
     generations: tuple[Generation, ...]
-    last_line: str
+    last_line: str  # the last line of its log, which says what it does
     written_at_s: float
+    """When the study last wrote to its folder, in seconds since the epoch; pages are written by others
+    too."""
     is_running: bool
-    stopped: str | None
+    stopped: str | None  # why it ended; None while it runs, and where its process was killed
     report: Path | None
 
     @property

@@ -23,14 +23,11 @@ Stated = tuple[float, bool]
 
 @dataclass(frozen=True)
 class Bin:
-    """Statements of about the same probability.
-
-    `true`: share of them that is so. `low`, `high`: its 95 % interval (Clopper and Pearson 1934).
-    """
+    """Statements of about the same probability."""
 
     stated: float
-    true: float
-    low: float
+    true: float  # share of them that is so
+    low: float  # with high: its 95 % interval (Clopper and Pearson 1934)
     high: float
     count: int
 

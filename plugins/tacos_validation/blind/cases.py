@@ -12,17 +12,13 @@ from tacos_validation.blind.parameters_found import ParameterFound, parameters_f
 
 @dataclass(frozen=True)
 class Case:
-    """One case.
-
-    `answer`: ``diagnosis.json`` and more; or ``error`` alone. `fresh_gaps`: gaps on captures that were kept
-    back; None where none were.
-    """
+    """One case."""
 
     name: str
     tier: str
     truth: Mapping[str, Any]
-    answer: Mapping[str, Any]
-    fresh_gaps: Mapping[str, Any] | None = None
+    answer: Mapping[str, Any]  # ``diagnosis.json`` and more; or ``error`` alone
+    fresh_gaps: Mapping[str, Any] | None = None  # gaps on captures that were kept back; None where none were
 
     @property
     def effects(self) -> tuple[str, ...]:

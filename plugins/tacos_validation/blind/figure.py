@@ -12,26 +12,16 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Figure:
-    """One figure.
-
-    Parameters
-    ----------
-    value, low, high
-        The figure, and its 95 % interval; NaN where there are no cases.
-    met
-        True if it is met; None without a goal or cases.
-    unit
-        ``%`` for shares, else what follows the number.
-    """
+    """One figure."""
 
     name: str
-    value: float
+    value: float  # with low and high: the figure, and its 95 % interval; NaN where there are no cases
     low: float
     high: float
     count: int
     goal: str = ""
-    met: bool | None = None
-    unit: str = "%"
+    met: bool | None = None  # true if it is met; None without a goal or cases
+    unit: str = "%"  # ``%`` for shares, else what follows the number
 
     def as_data(self) -> dict[str, Any]:
         """For ``result.json``; NaN becomes null."""

@@ -25,27 +25,16 @@ def sureness(cause: Mapping[str, Any]) -> float:
 
 @dataclass(frozen=True)
 class KnownTruth:
-    """Known truth of a case.
+    """Known truth of a case."""
 
-    Parameters
-    ----------
-    accept
-        Effects of which one must come first.
-    also
-        Effects that may stand beside it.
-    confusable
-        Effects that may come first where the answer's set holds an accepted one.
-    expect_verdict
-        Verdicts that are right; with ``no_gap`` nothing need be named.
-    negligible
-        By effect and parameter, the amount up to which naming it counts for nothing.
-    """
-
-    accept: tuple[str, ...]
-    also: tuple[str, ...] = ()
+    accept: tuple[str, ...]  # effects of which one must come first
+    also: tuple[str, ...] = ()  # effects that may stand beside it
     confusable: tuple[str, ...] = ()
+    """Effects that may come first where the answer's set holds an accepted one."""
     expect_verdict: tuple[str, ...] = ("explained", "partly_explained")
+    """Verdicts that are right; with ``no_gap`` nothing need be named."""
     negligible: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    """By effect and parameter, the amount up to which naming it counts for nothing."""
 
     @classmethod
     def of(cls, data: Mapping[str, Any]) -> KnownTruth:
@@ -59,24 +48,15 @@ class KnownTruth:
 
 @dataclass(frozen=True)
 class Judgement:
-    """Worth of an answer.
-
-    Parameters
-    ----------
-    outcome
-        ``right``: an accepted effect comes first, and no stranger beside it; or nothing, where no gap was
-        expected. ``unknown``: nothing is named with a presence above one half. ``wrong``: something else
-        comes first. ``wrong beside``: the first is right, but a stranger stands beside it. ``no answer``: an
-        error, or past the time limit.
-    first_right
-        True if what comes first is right, whatever stands beside it.
-    strangers
-        What was named and should not have been.
-    """
+    """Worth of an answer."""
 
     outcome: str
-    first_right: bool
-    strangers: tuple[str, ...] = ()
+    """``right``: an accepted effect comes first, and no stranger beside it; or nothing, where no gap was
+    expected. ``unknown``: nothing is named with a presence above one half. ``wrong``: something else comes
+    first. ``wrong beside``: the first is right, but a stranger stands beside it. ``no answer``: an error, or
+    past the time limit."""
+    first_right: bool  # true if what comes first is right, whatever stands beside it
+    strangers: tuple[str, ...] = ()  # what was named and should not have been
 
     @property
     def confident_and_wrong(self) -> bool:

@@ -27,18 +27,14 @@ OWN_SCALE = frozenset({"denoise"})
 
 @dataclass(frozen=True)
 class ParameterFound:
-    """A parameter as it was withheld and as it was found.
-
-    `neutral`: the value at which the effect is off. `interval`: the answer's, of 90 %; None where it gives
-    none.
-    """
+    """A parameter as it was withheld and as it was found."""
 
     effect: str
     name: str
     true: float
     found: float
-    neutral: float
-    interval: tuple[float, float] | None
+    neutral: float  # the value at which the effect is off
+    interval: tuple[float, float] | None  # the answer's, of 90 %; None where it gives none
 
     @property
     def relative_error(self) -> float:

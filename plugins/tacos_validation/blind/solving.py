@@ -21,16 +21,12 @@ Effects = Mapping[str, type[Any]]
 
 @dataclass(frozen=True)
 class Diagnosing:
-    """Diagnose a folder.
-
-    `removed`: effects that the catalogue lacks this time. `baselines`: whether simpler ways are tried as
-    well.
-    """
+    """Diagnose a folder."""
 
     case: str
     folder: Path
-    removed: tuple[str, ...] = ()
-    baselines: bool = True
+    removed: tuple[str, ...] = ()  # effects that the catalogue lacks this time
+    baselines: bool = True  # whether simpler ways are tried as well
     threads: int = 1
 
     def work(self, effects: Effects) -> dict[str, Any]:
@@ -53,16 +49,13 @@ class Diagnosing:
 
 @dataclass(frozen=True)
 class FreshGaps:
-    """See how an answer fares on captures that were kept back, and how the truth would.
-
-    `found`: the answer's effects with their settings. `truth`: what was withheld; empty where the catalogue
-    has no parameters for it.
-    """
+    """See how an answer fares on captures that were kept back, and how the truth would."""
 
     case: str
     folder: Path
-    found: Sequence[Mapping[str, Any]]
+    found: Sequence[Mapping[str, Any]]  # the answer's effects with their settings
     truth: Sequence[Mapping[str, Any]]
+    """What was withheld; empty where the catalogue has no parameters for it."""
 
     def work(self, effects: Effects) -> dict[str, Any]:
         """Gaps before, with what was found, and with the truth [noise floor]."""
@@ -84,13 +77,11 @@ def _term(described: Mapping[str, Any], effects: Effects) -> HypothesisTerm:
 
 @dataclass(frozen=True)
 class Worker:
-    """Does jobs with the catalogue of effects; an error is an answer too, and a wrong one.
-
-    `limit_s`: longest processor time for a job; past it there is no answer. None for any [s].
-    """
+    """Does jobs with the catalogue of effects; an error is an answer too, and a wrong one."""
 
     effects: Effects
     limit_s: float | None = None
+    """Longest processor time for a job; past it there is no answer. None for any [s]."""
 
     def __call__(self, job: Diagnosing | FreshGaps) -> dict[str, Any]:
         """The job's outcome, or the error as text."""

@@ -23,14 +23,12 @@ KINDS = ("dark", "flat", "bracket", "chart", "scene")
 
 @dataclass(frozen=True, eq=False)
 class NoiseCurve:
-    """Noise of one camera over its signal.
+    """Noise of one camera over its signal."""
 
-    `levels`: for each stack what was measured, level by level. `slope`: for each stack the slope of variance
-    over signal with its 95 % interval; None where no line fits [DN].
-    """
-
-    levels: Mapping[str, Levels]
+    levels: Mapping[str, Levels]  # for each stack what was measured, level by level
     slope: Mapping[str, tuple[float, float, float] | None]
+    """For each stack the slope of variance over signal with its 95 % interval; None where no line fits
+    [DN]."""
 
     def off(self, stack: str) -> float:
         """Median of how far the simulated variance is from the real one at the same signal, relative [1]."""

@@ -20,16 +20,12 @@ from tacos_plugins.building import part_of
 
 @dataclass(frozen=True, eq=False)
 class CameraPatch:
-    """Effects added to the simulation of a camera.
-
-    `verdict`: of the diagnosis; ``given`` where there was none. `diagnosis`: ``diagnosis.json``; empty where
-    there was none.
-    """
+    """Effects added to the simulation of a camera."""
 
     effects: tuple[PlacedEffect, ...]
-    verdict: str
+    verdict: str  # of the diagnosis; ``given`` where there was none
     text: str
-    diagnosis: Mapping[str, Any]
+    diagnosis: Mapping[str, Any]  # ``diagnosis.json``; empty where there was none
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -26,20 +26,15 @@ DRAWS = 1000
 
 @dataclass(frozen=True, eq=False)
 class CameraScores:
-    """A score of every camera on the same scenes.
-
-    Parameters
-    ----------
-    cameras, scenes
-        Names of both; where cameras share no capture, each has one scene of its own, the mean over all.
-    means, errors
-        For each stack (cameras, scenes) the score and its standard error over the noise.
-    """
+    """A score of every camera on the same scenes."""
 
     score: str
     cameras: tuple[str, ...]
+    """With scenes: names of both; where cameras share no capture, each has one scene of its own, the mean
+    over all."""
     scenes: tuple[str, ...]
     means: Mapping[str, NDArray[np.float64]]
+    """With errors: for each stack (cameras, scenes) the score and its standard error over the noise."""
     errors: Mapping[str, NDArray[np.float64]]
     lower_is_better: bool = False
 
@@ -63,19 +58,12 @@ class CameraScores:
 
 @dataclass(frozen=True)
 class RankFinding:
-    """Rank agreement of a simulation with reality.
+    """Rank agreement of a simulation with reality."""
 
-    Parameters
-    ----------
-    tau
-        Kendall's rank correlation (tau-b) of the scores as they were measured, in -1..1.
-    agreement
-        Over draws of noise and scenes: mean of tau, the interval that holds 95 % of them, and the share of
-        draws in which both put all cameras in one order.
-    """
-
-    tau: float
+    tau: float  # Kendall's rank correlation (tau-b) of the scores as they were measured, in -1..1
     agreement: Agreement
+    """Over draws of noise and scenes: mean of tau, the interval that holds 95 % of them, and the share of
+    draws in which both put all cameras in one order."""
 
     def as_data(self) -> dict[str, Any]:
         over = self.agreement.tau

@@ -19,25 +19,15 @@ Lack = Literal["noise", "blur", "highlights"]
 
 @dataclass(frozen=True, eq=False)
 class Replay:
-    """A source exposure, replayed as a target exposure.
-
-    Parameters
-    ----------
-    light_dn
-        (N, H, W) light of the source's frames [DN].
-    motion
-        Of the image, measured without the target's frames.
-    stamp_after_middle
-        Where stamps lie, in exposure times after the middle.
-    """
+    """A source exposure, replayed as a target exposure."""
 
     recording: Recording
     source: str
     target: str
-    light_dn: NDArray[np.float32]
+    light_dn: NDArray[np.float32]  # (N, H, W) light of the source's frames [DN]
     noise: LinearNoise
-    motion: Motion
-    stamp_after_middle: float
+    motion: Motion  # of the image, measured without the target's frames
+    stamp_after_middle: float  # where stamps lie, in exposure times after the middle
     mosaic: int
 
     @property

@@ -21,29 +21,24 @@ LUMINANCE_TOLERANCE = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Pictures:
-    """Pictures of one device.
-
-    `luminance_cd_m2`, `depth_m`, `object_id`: (N, H, W, 3), (N, H, W) and (N, H, W) of the first camera
-    [cd/m2, m, 1]. `frames_per_s`: frames by the clock, the first left out, for which the world is lit [1/s].
-    """
+    """Pictures of one device."""
 
     renderer: str
     is_software: bool
     luminance_cd_m2: NDArray[np.float32]
+    """With depth_m and object_id: (N, H, W, 3), (N, H, W) and (N, H, W) of the first camera [cd/m2, m, 1]."""
     depth_m: NDArray[np.float32]
     object_id: NDArray[np.int32]
-    frames_per_s: float
+    frames_per_s: float  # frames by the clock, the first left out, for which the world is lit [1/s]
 
 
 @dataclass(frozen=True)
 class Difference:
-    """Difference of two devices' pictures.
-
-    `ids`, `depth`, `luminance`: share of the pixels at which they differ: other ids; depth by more than 0.1 %
-    where ids are the same; luminance by more than `LUMINANCE_TOLERANCE` [1].
-    """
+    """Difference of two devices' pictures."""
 
     ids: float
+    """With depth and luminance: share of the pixels at which they differ: other ids; depth by more than 0.1 %
+    where ids are the same; luminance by more than `LUMINANCE_TOLERANCE` [1]."""
     depth: float
     luminance: float
 

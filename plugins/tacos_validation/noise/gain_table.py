@@ -19,14 +19,11 @@ _MOST_FAULTS = 20
 
 @dataclass(frozen=True, eq=False)
 class MeasuredCamera:
-    """Variance ``a x + b`` of one camera, x as a share of full scale.
-
-    `gains`: (N,) linear gains, as ISO values [1]. `slopes`, `intercepts`: (N,) a and b [1].
-    """
+    """Variance ``a x + b`` of one camera, x as a share of full scale."""
 
     name: str
-    gains: NDArray[np.float64]
-    slopes: NDArray[np.float64]
+    gains: NDArray[np.float64]  # (N,) linear gains, as ISO values [1]
+    slopes: NDArray[np.float64]  # with intercepts: (N,) a and b [1]
     intercepts: NDArray[np.float64]
 
     def __len__(self) -> int:

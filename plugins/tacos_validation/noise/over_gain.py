@@ -33,12 +33,9 @@ TITLES = {
 
 @dataclass(frozen=True)
 class LeftOut:
-    """One setting that was left out: its measured noise and the prediction of each model.
+    """One setting that was left out: its measured noise and the prediction of each model."""
 
-    `slope`, `intercept`: measured a and b over full scale [1].
-    """
-
-    slope: float
+    slope: float  # with intercept: measured a and b over full scale [1]
     intercept: float
     predicted: Mapping[str, Noise]
 

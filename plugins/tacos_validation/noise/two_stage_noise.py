@@ -36,21 +36,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Departure:
-    """Prior of how far cameras depart from the chain, as natural logarithms.
+    """Prior of how far cameras depart from the chain, as natural logarithms."""
 
-    Parameters
-    ----------
-    spread
-        s: standard deviation over cameras and gains [1].
-    range_stops
-        l: distance over which a departure is forgotten [log2 of gain].
-    scatter
-        n: standard deviation of one measurement [1].
-    """
-
-    spread: float
-    range_stops: float
-    scatter: float
+    spread: float  # s: standard deviation over cameras and gains [1]
+    range_stops: float  # l: distance over which a departure is forgotten [log2 of gain]
+    scatter: float  # n: standard deviation of one measurement [1]
 
     def covariance(self, one: Array, other: Array) -> Array:
         """Covariance of the departures at two lists of gains [log2], without scatter."""
@@ -67,21 +57,11 @@ The scatter is wider than the likelihood asks for: a normal interval has to hold
 
 
 class Noise(NamedTuple):
-    """Predicted noise at one gain; signal is a share of full scale.
+    """Predicted noise at one gain; signal is a share of full scale."""
 
-    Parameters
-    ----------
-    slope
-        a: variance per signal [1].
-    intercept
-        b: variance without signal [1].
-    slope_sd, intercept_sd
-        Standard deviations of ln a and of ln b [1].
-    """
-
-    slope: float
-    intercept: float
-    slope_sd: float
+    slope: float  # a: variance per signal [1]
+    intercept: float  # b: variance without signal [1]
+    slope_sd: float  # with intercept_sd: standard deviations of ln a and of ln b [1]
     intercept_sd: float
 
     def variance(self, signal: float) -> float:

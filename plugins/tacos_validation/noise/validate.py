@@ -47,15 +47,12 @@ class CheckedCamera(SimulatedCamera):
 
 @dataclass(frozen=True, eq=False)
 class Checked:
-    """Frames of one setting: what was predicted and what they show.
-
-    `predicted`: for each channel slope and intercept [DN, DN^2].
-    """
+    """Frames of one setting: what was predicted and what they show."""
 
     setting: CameraSetting
     stack: FrameStack
     measured: tuple[Measured, ...]
-    predicted: tuple[tuple[float, float], ...]
+    predicted: tuple[tuple[float, float], ...]  # for each channel slope and intercept [DN, DN^2]
     black_level_dn: float
     white_level_dn: float
 

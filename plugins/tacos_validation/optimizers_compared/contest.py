@@ -45,21 +45,11 @@ class FromTable:
 
 @dataclass(frozen=True)
 class Stand:
-    """Recommendation of a run at a checkpoint.
+    """Recommendation of a run at a checkpoint."""
 
-    Parameters
-    ----------
-    checkpoint
-        Images it was allowed.
-    images
-        Images it had rendered when it said so.
-    values
-        The camera; None while nothing has been scored.
-    """
-
-    checkpoint: int
-    images: int
-    values: Mapping[str, Any] | None
+    checkpoint: int  # images it was allowed
+    images: int  # images it had rendered when it said so
+    values: Mapping[str, Any] | None  # the camera; None while nothing has been scored
 
 
 @dataclass
@@ -69,16 +59,13 @@ class Run:
     Its recommendation at a checkpoint is the last it gives before it would render more images than that.
     An optimizer without a say in it, or that has not been asked yet, stands for the candidate of the best
     mean fitness so far, which it may have found in the middle of a round.
-
-    `checkpoints`: in rising order; the last is the budget [images]. `target_rounds`: the round after which
-    `after_rounds` is noted.
     """
 
     optimizer_name: str
     seed: int
     search: Search
-    checkpoints: tuple[int, ...]
-    target_rounds: int
+    checkpoints: tuple[int, ...]  # in rising order; the last is the budget [images]
+    target_rounds: int  # the round after which `after_rounds` is noted
     on_checkpoint: Callable[[str], None] = lambda _: None
     stands: list[Stand] = field(default_factory=list)
     after_rounds: Stand | None = None

@@ -14,30 +14,18 @@ from tacos_validation.optimizers_compared.standings import JudgedRun, Standing
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Everything the report tells.
-
-    Parameters
-    ----------
-    target_of
-        Whose quality the target is, in words.
-    target
-        The median of that quality on the held-out scenes.
-    target_images
-        Images those runs had rendered for it, in the median.
-    rendered
-        Images rendered in all, as runs share a table.
-    """
+    """Everything the report tells."""
 
     problem: str
-    target_of: str
-    target: float
-    target_images: float
+    target_of: str  # whose quality the target is, in words
+    target: float  # the median of that quality on the held-out scenes
+    target_images: float  # images those runs had rendered for it, in the median
     best_known: float
     best_camera: Mapping[str, Any]
     held_out: int
     runs: Mapping[str, Sequence[JudgedRun]]
     standings: tuple[Standing, ...]
-    rendered: int
+    rendered: int  # images rendered in all, as runs share a table
     notes: tuple[str, ...]
 
     def as_data(self) -> dict[str, Any]:

@@ -44,21 +44,14 @@ def quartiles(values: Sequence[float]) -> Quartiles:
 
 @dataclass(frozen=True)
 class JudgedRun:
-    """A run as the held-out scenes judge it.
-
-    Parameters
-    ----------
-    images
-        Images it had rendered when it recommended what stands at each checkpoint.
-    fitness
-        At each checkpoint, the fitness on the held-out scenes of what it recommended; minus infinity where
-        it recommended nothing, or what cannot be scored there.
-    """
+    """A run as the held-out scenes judge it."""
 
     optimizer: str
     seed: int
-    images: Mapping[int, int]
+    images: Mapping[int, int]  # images it had rendered when it recommended what stands at each checkpoint
     fitness: Mapping[int, float]
+    """At each checkpoint, the fitness on the held-out scenes of what it recommended; minus infinity where it
+    recommended nothing, or what cannot be scored there."""
 
     def images_to(self, target: float) -> float:
         """The first checkpoint at which it is as good as the target; infinite if it never was."""
@@ -67,46 +60,27 @@ class JudgedRun:
 
 @dataclass(frozen=True)
 class Ratio:
-    """Ratio of another optimizer's images to those of this one.
-
-    Parameters
-    ----------
-    value
-        Median images to the target of the other, over the median of this one; None where this one never
-        reaches it.
-    at_least
-        True if the other never reached it either, so that its whole budget stands for them.
-    """
+    """Ratio of another optimizer's images to those of this one."""
 
     value: float | None
+    """Median images to the target of the other, over the median of this one; None where this one never
+    reaches it."""
     at_least: bool = False
+    """True if the other never reached it either, so that its whole budget stands for them."""
 
 
 @dataclass(frozen=True)
 class Standing:
-    """Achievement of an optimizer, over its runs.
-
-    Parameters
-    ----------
-    regret
-        At each checkpoint the distance to the best camera known on the held-out scenes.
-    images
-        Images to the target.
-    reached
-        Share of the runs that reached it.
-    ratios
-        Images of other optimizers over its own, by their name.
-    thought_ms
-        Time in the optimizer itself for each candidate it asked for [ms].
-    """
+    """Achievement of an optimizer, over its runs."""
 
     optimizer: str
     runs: int
     regret: Mapping[int, Quartiles]
-    images: Quartiles
-    reached: float
-    ratios: Mapping[str, Ratio]
-    thought_ms: float
+    """At each checkpoint the distance to the best camera known on the held-out scenes."""
+    images: Quartiles  # images to the target
+    reached: float  # share of the runs that reached it
+    ratios: Mapping[str, Ratio]  # images of other optimizers over its own, by their name
+    thought_ms: float  # time in the optimizer itself for each candidate it asked for [ms]
 
 
 def standings(

@@ -14,14 +14,10 @@ FitnessOn = Callable[[str, Sequence[int]], float | None]
 
 @dataclass(frozen=True)
 class Agreement:
-    """Agreement of two orders.
+    """Agreement of two orders."""
 
-    `tau`: Kendall's tau-b; None where one of the orders has all cameras equal. `interval`: its bootstrap
-    interval over scenes; None where that cannot be told.
-    """
-
-    tau: float | None
-    interval: tuple[float, float] | None
+    tau: float | None  # Kendall's tau-b; None where one of the orders has all cameras equal
+    interval: tuple[float, float] | None  # its bootstrap interval over scenes; None where that cannot be told
 
 
 def tau_b(first: Sequence[float], second: Sequence[float]) -> float | None:

@@ -16,13 +16,11 @@ from tacos_validation.rank_agreement.settings import RankedCameras
 
 @dataclass(frozen=True)
 class RankedCamera:
-    """A camera to rank.
-
-    `values`: plain values of the study's design variables, and of what else a product fixes of the rig.
-    """
+    """A camera to rank."""
 
     name: str
     values: Mapping[str, Any]
+    """Plain values of the study's design variables, and of what else a product fixes of the rig."""
 
 
 def cameras_of(asked: RankedCameras, plan: Plan) -> tuple[RankedCamera, ...]:

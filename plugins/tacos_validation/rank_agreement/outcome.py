@@ -15,23 +15,16 @@ SIZES = ("quick", "full")
 
 @dataclass(frozen=True)
 class RankedLight:
-    """The orders of both studies in one light.
-
-    Parameters
-    ----------
-    by_score
-        Tau-b of each score that both report for all cameras; None where a study gives all the same.
-    evaluations
-        For each size what came out for each camera, by name.
-    of_halves
-        Median tau-b of the study at full size with itself, on two halves of the scenes; None where unknown.
-    """
+    """The orders of both studies in one light."""
 
     name: str
     agreement: Agreement
     by_score: Mapping[str, float | None]
+    """Tau-b of each score that both report for all cameras; None where a study gives all the same."""
     evaluations: Mapping[str, Mapping[str, Evaluation]]
+    """For each size what came out for each camera, by name."""
     of_halves: float | None = None
+    """Median tau-b of the study at full size with itself, on two halves of the scenes; None where unknown."""
 
     @property
     def ranked(self) -> tuple[str, ...]:

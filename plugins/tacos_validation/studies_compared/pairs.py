@@ -39,14 +39,11 @@ def spread(values: Sequence[float]) -> Spread:
 
 @dataclass(frozen=True)
 class VariantDifference:
-    """A variant against the reference on one score, each seed against its own twin.
-
-    `better`: seeds with the higher score.
-    """
+    """A variant against the reference on one score, each seed against its own twin."""
 
     variant: str
     score: str
-    better: int
+    better: int  # seeds with the higher score
     by: Spread
 
 

@@ -33,21 +33,11 @@ class StudyRun:
 
 @dataclass(frozen=True)
 class SummaryCell:
-    """A figure of the table over the seeds, or a word where it is none.
+    """A figure of the table over the seeds, or a word where it is none."""
 
-    Parameters
-    ----------
-    values
-        One per run that has it.
-    published
-        What is published; None where nothing is.
-    best
-        True if no row has a better one.
-    """
-
-    values: tuple[float | str, ...]
-    published: float | str | None
-    best: bool = False
+    values: tuple[float | str, ...]  # one per run that has it
+    published: float | str | None  # what is published; None where nothing is
+    best: bool = False  # true if no row has a better one
 
     @property
     def middle(self) -> float | None:

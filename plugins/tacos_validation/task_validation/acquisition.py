@@ -17,24 +17,14 @@ from tacos_plugins.noise_calibration.bench import expose
 
 @dataclass(frozen=True, eq=False)
 class Taken:
-    """Scores of one camera in one simulator.
-
-    Parameters
-    ----------
-    scores
-        Name to (settings, seeds, pairs) scores of each pair of neighbouring places; NaN where there is none.
-    samples
-        For each setting a frame from the middle of the way.
-    on_target_px
-        (places,) pixels on anything but the background.
-    luminance_cd_m2
-        Mean luminance of those pixels over all places [cd/m2].
-    """
+    """Scores of one camera in one simulator."""
 
     scores: Mapping[str, NDArray[np.float64]]
-    samples: tuple[FrameBatch, ...]
-    on_target_px: NDArray[np.int64]
-    luminance_cd_m2: float
+    """Name to (settings, seeds, pairs) scores of each pair of neighbouring places; NaN where there is
+    none."""
+    samples: tuple[FrameBatch, ...]  # for each setting a frame from the middle of the way
+    on_target_px: NDArray[np.int64]  # (places,) pixels on anything but the background
+    luminance_cd_m2: float  # mean luminance of those pixels over all places [cd/m2]
 
 
 def take(

@@ -29,14 +29,10 @@ class OverSeeds:
 
 @dataclass(frozen=True)
 class Agreement:
-    """Agreement of two rankings.
+    """Agreement of two rankings."""
 
-    `tau`: Kendall's rank correlation (tau-b), in -1..1. `same`: share of the seeds under which both put
-    everything in one order, in 0..1.
-    """
-
-    tau: OverSeeds
-    same: float
+    tau: OverSeeds  # Kendall's rank correlation (tau-b), in -1..1
+    same: float  # share of the seeds under which both put everything in one order, in 0..1
 
 
 def over_seeds(values: Sequence[float] | NDArray[np.float64]) -> OverSeeds:

@@ -22,17 +22,14 @@ from tacos_validation.task_validation.agreement import (
 
 @dataclass(frozen=True, eq=False)
 class ValidationFindings:
-    """Scores and rankings.
-
-    `score`: the score that ranks them. `simulated`, `reference`: for each camera what it came to in the
-    simulator, and in what stands for reality.
-    """
+    """Scores and rankings."""
 
     cameras: tuple[str, ...]
     titles: tuple[str, ...]
-    score: str
+    score: str  # the score that ranks them
     exposures: tuple[str, ...]
     simulated: tuple[Taken, ...]
+    """With reference: for each camera what it came to in the simulator, and in what stands for reality."""
     reference: tuple[Taken, ...]
 
     def scores(self, taken: tuple[Taken, ...], name: str = "") -> NDArray[np.float64]:

@@ -25,46 +25,22 @@ _NEIGHBOURS = ((1, 0), (0, 1), (1, 1), (1, -1))
 
 @dataclass(frozen=True)
 class Agent:
-    """Who walks.
+    """Who walks."""
 
-    Parameters
-    ----------
-    radius_m
-        Its middle stays this far from what it cannot step on [m].
-    height_m
-        It needs this much room above the floor [m].
-    step_m
-        The greatest step it takes up or down [m].
-    """
-
-    radius_m: float
-    height_m: float
-    step_m: float
+    radius_m: float  # its middle stays this far from what it cannot step on [m]
+    height_m: float  # it needs this much room above the floor [m]
+    step_m: float  # the greatest step it takes up or down [m]
 
 
 @dataclass(frozen=True, eq=False)
 class Floor:
-    """Places to stand on, and the steps between them.
+    """Places to stand on, and the steps between them."""
 
-    Parameters
-    ----------
-    points_m
-        (N, 3) places on the floor [m].
-    headroom_m
-        (N,) free height above; infinite under the open sky [m].
-    clearance_m
-        (N,) distance along the floor to where it ends [m].
-    steps
-        (N, N) symmetric matrix of the lengths of single steps [m].
-    cell_m
-        Distance of neighbouring places [m].
-    """
-
-    points_m: NDArray[np.float64]
-    headroom_m: NDArray[np.float64]
-    clearance_m: NDArray[np.float64]
-    steps: csr_array
-    cell_m: float
+    points_m: NDArray[np.float64]  # (N, 3) places on the floor [m]
+    headroom_m: NDArray[np.float64]  # (N,) free height above; infinite under the open sky [m]
+    clearance_m: NDArray[np.float64]  # (N,) distance along the floor to where it ends [m]
+    steps: csr_array  # (N, N) symmetric matrix of the lengths of single steps [m]
+    cell_m: float  # distance of neighbouring places [m]
 
     @property
     def area_m2(self) -> float:

@@ -38,13 +38,10 @@ _WORDS: Mapping[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True)
 class Rule:
-    """Surfaces whose name matches a pattern are of a class.
-
-    `pattern`: with ``*`` and ``?``, of a node's name or of its whole path; small and capital letters are
-    alike.
-    """
+    """Surfaces whose name matches a pattern are of a class."""
 
     pattern: str
+    """With ``*`` and ``?``, of a node's name or of its whole path; small and capital letters are alike."""
     class_name: str
 
     def matches(self, names: Sequence[str]) -> int | None:
@@ -100,12 +97,9 @@ def _from_yaml(file: Path) -> tuple[list[Rule], list[Fault]]:
 
 @dataclass(frozen=True)
 class Label:
-    """What a surface is.
+    """What a surface is."""
 
-    `thing`: names the thing: surfaces of one thing share it. Empty for the background.
-    """
-
-    thing: str
+    thing: str  # names the thing: surfaces of one thing share it. Empty for the background
     class_name: str
 
 

@@ -47,16 +47,12 @@ class Budget:
 
 @dataclass(frozen=True, eq=False)
 class Sources:
-    """Where light comes from.
-
-    `emission_scale`: luminance for one unit of emission in the file [cd/m2]. `lamps`: whether lamps are
-    placed: always, or never, or (None) where nothing else shines.
-    """
+    """Where light comes from."""
 
     lights: tuple[Light, ...]
-    emission_scale: float
+    emission_scale: float  # luminance for one unit of emission in the file [cd/m2]
     surroundings: Surroundings | None
-    lamps: bool | None
+    lamps: bool | None  # whether lamps are placed: always, or never, or (None) where nothing else shines
 
 
 def geometry(patches: Sequence[Patch]) -> tuple[Occlusion, NDArray[np.int32]]:

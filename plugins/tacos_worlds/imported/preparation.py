@@ -35,11 +35,7 @@ _LAMPS = {"auto": None, "file": False, "lamps": True, "both": True}
 
 @dataclass(frozen=True, eq=False)
 class Survey:
-    """A file that was read, labelled and found to have a floor, before it is lit.
-
-    `recorded`: poses of the agent from a file, or None. `remarks`: what is doubtful of the files, and what of
-    them is not carried out, with its effect.
-    """
+    """A file that was read, labelled and found to have a floor, before it is lit."""
 
     read: Read
     sky: Surroundings | None
@@ -50,8 +46,9 @@ class Survey:
     class_names: tuple[str, ...]
     agent: Agent
     floor: Floor
-    recorded: Trajectory | None
+    recorded: Trajectory | None  # poses of the agent from a file, or None
     remarks: tuple[str, ...]
+    """What is doubtful of the files, and what of them is not carried out, with its effect."""
 
 
 def survey(config: ImportedSettings, telling: Telling | None = None) -> Survey:

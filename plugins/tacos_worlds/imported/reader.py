@@ -28,24 +28,13 @@ _Z_UP_FROM: dict[str, NDArray[np.float64]] = {
 
 @dataclass(frozen=True, eq=False)
 class Read:
-    """A model, and how its axes and unit become metres with z up.
+    """A model, and how its axes and unit become metres with z up."""
 
-    Parameters
-    ----------
-    model
-        Without what is to be left out.
-    turn
-        (3, 3) from the file's coordinates to metres with z up.
-    up
-        The axis that was taken as up.
-    origin_m
-        (3,) what was taken off positions, in metres with z up, so that single precision holds them [m].
-    """
-
-    model: Model
-    turn: NDArray[np.float64]
-    up: str
+    model: Model  # without what is to be left out
+    turn: NDArray[np.float64]  # (3, 3) from the file's coordinates to metres with z up
+    up: str  # the axis that was taken as up
     origin_m: NDArray[np.float64]
+    """(3,) what was taken off positions, in metres with z up, so that single precision holds them [m]."""
 
 
 def read_world(

@@ -28,14 +28,12 @@ _HDR_LIMITS = (16, 16384)
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """Light from beyond the geometry, in the unit of the file.
-
-    `panorama`: (H, 2 H, 3) float32 as `World.sky_cd_m2`, without the sun [the file's unit]. `mean`: (3,) mean
-    of its upper half, weighted by the cosine from the zenith [the same].
-    """
+    """Light from beyond the geometry, in the unit of the file."""
 
     panorama: NDArray[np.float32]
+    """(H, 2 H, 3) float32 as `World.sky_cd_m2`, without the sun [the file's unit]."""
     mean: NDArray[np.float64]
+    """(3,) mean of its upper half, weighted by the cosine from the zenith [the same]."""
     sun: Light | None
 
 

@@ -28,14 +28,11 @@ _REACH_M = 0.3
 
 @dataclass(frozen=True, eq=False)
 class Way:
-    """A line over the floor.
+    """A line over the floor."""
 
-    `points_m`: (N, 3) points on the floor, about `STEP_M` apart [m]. `steps_on`: for each obstacle stepped
-    on, in order: (index of the point, id of the object).
-    """
-
-    points_m: NDArray[np.float64]
+    points_m: NDArray[np.float64]  # (N, 3) points on the floor, about `STEP_M` apart [m]
     steps_on: tuple[tuple[int, int], ...]
+    """For each obstacle stepped on, in order: (index of the point, id of the object)."""
 
 
 def within(rng: np.random.Generator, floor: Floor, size_m: tuple[float, float] | None) -> Floor:

@@ -14,25 +14,13 @@ from tacos_worlds.imported.floor import Agent, Floor
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """A file, ready to be walked in.
+    """A file, ready to be walked in."""
 
-    Parameters
-    ----------
-    world
-        Lit as its sources are.
-    lux
-        Mean illuminance 1 m above the floor in that world [lux].
-    obstacles
-        Ids of objects that count when stepped on.
-    recorded
-        Poses of the agent from a file, or None.
-    """
-
-    world: World
-    lux: float
+    world: World  # lit as its sources are
+    lux: float  # mean illuminance 1 m above the floor in that world [lux]
     floor: Floor
     agent: Agent
     occlusion: Occlusion
     object_of_triangle: NDArray[np.int32]
-    obstacles: tuple[int, ...]
-    recorded: Trajectory | None
+    obstacles: tuple[int, ...]  # ids of objects that count when stepped on
+    recorded: Trajectory | None  # poses of the agent from a file, or None

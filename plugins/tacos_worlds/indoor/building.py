@@ -26,26 +26,15 @@ _CELLS_PER_FLOOR = 750
 
 @dataclass(frozen=True, eq=False)
 class Building:
-    """A furnished floor.
-
-    Parameters
-    ----------
-    background
-        Pieces without label: structure and decoration.
-    thresholds
-        One a door, in the order of the doors.
-    furniture
-        Everything that was placed on the floor or on other furniture, labelled or not.
-    leaves
-        Floor taken by open door leaves [m].
-    """
+    """A furnished floor."""
 
     plan: FloorPlan
     room_kinds: tuple[str, ...]
-    background: tuple[Piece, ...]
-    thresholds: tuple[Piece, ...]
+    background: tuple[Piece, ...]  # pieces without label: structure and decoration
+    thresholds: tuple[Piece, ...]  # one a door, in the order of the doors
     furniture: tuple[Member, ...]
-    leaves: tuple[Rect, ...]
+    """Everything that was placed on the floor or on other furniture, labelled or not."""
+    leaves: tuple[Rect, ...]  # floor taken by open door leaves [m]
 
 
 def draw_building(

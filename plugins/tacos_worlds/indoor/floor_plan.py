@@ -19,14 +19,10 @@ _DOOR_TO_CORNER_M = 0.85
 
 @dataclass(frozen=True)
 class Door:
-    """A doorway in the wall between two rooms.
+    """A doorway in the wall between two rooms."""
 
-    `rooms`: indices of the rooms on its lower and upper side along `axis`. `axis`: 0 where one passes along
-    x, 1 along y.
-    """
-
-    rooms: tuple[int, int]
-    axis: int
+    rooms: tuple[int, int]  # indices of the rooms on its lower and upper side along `axis`
+    axis: int  # 0 where one passes along x, 1 along y
     x_m: float
     y_m: float
     width_m: float
@@ -51,14 +47,10 @@ class Door:
 
 @dataclass(frozen=True)
 class FloorPlan:
-    """Rooms and doors.
+    """Rooms and doors."""
 
-    `size_m`: extent of the floor along x and y, from (0, 0) [m]. `cells`: rooms measured to the middle of the
-    walls between them; they tile the floor [m].
-    """
-
-    size_m: tuple[float, float]
-    cells: tuple[Rect, ...]
+    size_m: tuple[float, float]  # extent of the floor along x and y, from (0, 0) [m]
+    cells: tuple[Rect, ...]  # rooms measured to the middle of the walls between them; they tile the floor [m]
     doors: tuple[Door, ...]
 
     def clear(self, room: int) -> Rect:

@@ -32,32 +32,21 @@ _TALL_M = 1.05
 
 @dataclass(frozen=True, eq=False)
 class RoomsToDraw:
-    """What is settled of a floor before its rooms are drawn.
-
-    Parameters
-    ----------
-    kinds, fittings, lamps, lights
-        Of each room what it is used for, its ceiling lights, its lamps that may be on, and its light over
-        that of the brightest [1].
-    leaves
-        Floor taken by open door leaves [m].
-    ceiling_height_m, step_m
-        Height of the rooms, and edge of the cells of their surfaces [m].
-    clutter, people
-        How many small things, and how many people, over what is usual [1].
-    """
+    """What is settled of a floor before its rooms are drawn."""
 
     plan: FloorPlan
     kinds: tuple[str, ...]
+    """With fittings and lamps and lights: of each room what it is used for, its ceiling lights, its lamps
+    that may be on, and its light over that of the brightest [1]."""
     fittings: tuple[int, ...]
     lamps: tuple[int, ...]
     lights: tuple[float, ...]
-    leaves: tuple[Rect, ...]
+    leaves: tuple[Rect, ...]  # floor taken by open door leaves [m]
     temperature_k: float
-    ceiling_height_m: float
+    ceiling_height_m: float  # with step_m: height of the rooms, and edge of the cells of their surfaces [m]
     step_m: float
     catalogue: Catalogue
-    clutter: float
+    clutter: float  # with people: how many small things, and how many people, over what is usual [1]
     people: float
 
     def area_m2(self, room: int) -> float:

@@ -39,19 +39,14 @@ class CarriedSettings(Settings):
 
 @dataclass(frozen=True)
 class Shaking:
-    """Deviation of the rates about (along) x, y and z of the agent, and the bands they lie in.
-
-    Parameters
-    ----------
-    turning_deg_s, turning_hz
-        About x (roll), y (pitch), z (yaw): standard deviation, and lowest and highest frequency [deg/s, Hz].
-    moving_m_s, moving_hz
-        Along x (ahead), y (left), z (up), likewise [m/s, Hz].
-    """
+    """Deviation of the rates about (along) x, y and z of the agent, and the bands they lie in."""
 
     turning_deg_s: tuple[float, float, float]
+    """With turning_hz: about x (roll), y (pitch), z (yaw): standard deviation, and lowest and highest
+    frequency [deg/s, Hz]."""
     turning_hz: tuple[tuple[float, float], tuple[float, float], tuple[float, float]]
     moving_m_s: tuple[float, float, float]
+    """With moving_hz: along x (ahead), y (left), z (up), likewise [m/s, Hz]."""
     moving_hz: tuple[float, float]
 
 

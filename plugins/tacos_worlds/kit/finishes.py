@@ -17,34 +17,16 @@ from tacos_worlds.kit.textures.texture import Texture
 
 @dataclass(frozen=True)
 class Finish:
-    """What a surface is made of. Equal finishes become one material.
+    """What a surface is made of. Equal finishes become one material."""
 
-    Parameters
-    ----------
-    texture
-        Name of a procedural texture (a key of :data:`TEXTURES`), or "" for none.
-    tint
-        Linear-sRGB reflectance that multiplies the texture [1].
-    variant
-        Which draw of the texture; different variants look alike but not equal.
-    texture_size_m
-        Edge of one tile [m]; 0 for the texture's own.
-    roughness, metallic
-        0..1 [1].
-    emission_cd_m2
-        Luminance of the surface's own light per channel [cd/m2].
-    image
-        A texture of the user's own in place of `texture`: index into the images given beside.
-    """
-
-    texture: str
-    tint: Colour = (1.0, 1.0, 1.0)
-    variant: int = 0
-    texture_size_m: float = 0.0
-    roughness: float = 0.8
+    texture: str  # name of a procedural texture (a key of :data:`TEXTURES`), or "" for none
+    tint: Colour = (1.0, 1.0, 1.0)  # Linear-sRGB reflectance that multiplies the texture [1]
+    variant: int = 0  # which draw of the texture; different variants look alike but not equal
+    texture_size_m: float = 0.0  # edge of one tile [m]; 0 for the texture's own
+    roughness: float = 0.8  # with metallic: 0..1 [1]
     metallic: float = 0.0
-    emission_cd_m2: Colour = (0.0, 0.0, 0.0)
-    image: int = -1
+    emission_cd_m2: Colour = (0.0, 0.0, 0.0)  # luminance of the surface's own light per channel [cd/m2]
+    image: int = -1  # a texture of the user's own in place of `texture`: index into the images given beside
 
     def scaled_to(self, size_m: float) -> Finish:
         return replace(self, texture_size_m=size_m)

@@ -18,24 +18,12 @@ Indices = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """A triangle mesh with normals and texture coordinates.
+    """A triangle mesh with normals and texture coordinates."""
 
-    Parameters
-    ----------
-    vertices_m
-        (V, 3) [m].
-    normals
-        (V, 3) unit vectors.
-    uv_m
-        (V, 2) texture coordinates along the surface [m].
-    triangles
-        (T, 3) vertex indices, counter-clockwise seen from outside.
-    """
-
-    vertices_m: Floats
-    normals: Floats
-    uv_m: Floats
-    triangles: Indices
+    vertices_m: Floats  # (V, 3) [m]
+    normals: Floats  # (V, 3) unit vectors
+    uv_m: Floats  # (V, 2) texture coordinates along the surface [m]
+    triangles: Indices  # (T, 3) vertex indices, counter-clockwise seen from outside
 
     def moved(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Mesh:
         """The mesh shifted [m]."""

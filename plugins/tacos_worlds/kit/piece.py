@@ -18,67 +18,33 @@ BACKGROUND = "background"
 
 @dataclass(frozen=True)
 class Top:
-    """A level surface that things can stand on.
+    """A level surface that things can stand on."""
 
-    Parameters
-    ----------
-    rect
-        Its free part, along the axes [m].
-    height_m
-        Above the floor [m].
-    use
-        What it is for, a key of `furnishing.tabletops.THINGS`.
-    """
-
-    rect: Rect
-    height_m: float
-    use: str
+    rect: Rect  # its free part, along the axes [m]
+    height_m: float  # above the floor [m]
+    use: str  # what it is for, a key of `furnishing.tabletops.THINGS`
 
 
 @dataclass(frozen=True)
 class Seat:
-    """A place to sit.
+    """A place to sit."""
 
-    Parameters
-    ----------
-    x_m, y_m, height_m
-        Where the hips of who sits there rest [m].
-    yaw_rad
-        Which way one looks from it, 0 for +y, counter-clockwise [rad].
-    back_deg
-        How far one leans back [deg].
-    """
-
-    x_m: float
+    x_m: float  # with y_m and height_m: where the hips of who sits there rest [m]
     y_m: float
     height_m: float
-    yaw_rad: float = 0.0
-    back_deg: float = 4.0
+    yaw_rad: float = 0.0  # which way one looks from it, 0 for +y, counter-clockwise [rad]
+    back_deg: float = 4.0  # how far one leans back [deg]
 
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """Meshes with finishes, around the origin on the floor; the back faces -y, the front +y.
+    """Meshes with finishes, around the origin on the floor; the back faces -y, the front +y."""
 
-    Parameters
-    ----------
-    class_name
-        Class of the object, or "background" for what carries no label.
-    parts
-        Meshes and their finishes.
-    lights
-        Lamps inside, in the frame of the piece.
-    can_light
-        True if its last part is a shade that can glow.
-    tops, seats
-        Where things can stand on it and people sit on it.
-    """
-
-    class_name: str
-    parts: tuple[tuple[Mesh, Finish], ...]
-    lights: tuple[Light, ...] = ()
-    can_light: bool = False
-    tops: tuple[Top, ...] = ()
+    class_name: str  # class of the object, or "background" for what carries no label
+    parts: tuple[tuple[Mesh, Finish], ...]  # meshes and their finishes
+    lights: tuple[Light, ...] = ()  # lamps inside, in the frame of the piece
+    can_light: bool = False  # true if its last part is a shade that can glow
+    tops: tuple[Top, ...] = ()  # with seats: where things can stand on it and people sit on it
     seats: tuple[Seat, ...] = ()
 
     @cached_property

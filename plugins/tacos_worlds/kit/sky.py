@@ -22,21 +22,12 @@ _SUN_K = 5500.0
 
 @dataclass(frozen=True, eq=False)
 class Daylight:
-    """Light from above.
+    """Light from above."""
 
-    Parameters
-    ----------
-    sun
-        The sun; None once it is down.
-    ambient_cd_m2
-        (3,) mean luminance of the sky, weighted by the cosine from the zenith [cd/m2].
-    sky_cd_m2
-        (H, 2 H, 3) as `World.sky_cd_m2` [cd/m2].
-    """
-
-    sun: Light | None
+    sun: Light | None  # the sun; None once it is down
     ambient_cd_m2: NDArray[np.float32]
-    sky_cd_m2: NDArray[np.float32]
+    """(3,) mean luminance of the sky, weighted by the cosine from the zenith [cd/m2]."""
+    sky_cd_m2: NDArray[np.float32]  # (H, 2 H, 3) as `World.sky_cd_m2` [cd/m2]
 
 
 def draw_daylight(

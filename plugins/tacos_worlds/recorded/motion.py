@@ -27,14 +27,10 @@ class Shot:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """How fast the image moves.
+    """How fast the image moves."""
 
-    `time_s`: (K,) middle of each step [s]. `velocity_px_s`: (K, H/2, W/2, 2) velocity along x and y [px/s] at
-    every other pixel.
-    """
-
-    time_s: NDArray[np.float64]
-    velocity_px_s: NDArray[np.float32]
+    time_s: NDArray[np.float64]  # (K,) middle of each step [s]
+    velocity_px_s: NDArray[np.float32]  # (K, H/2, W/2, 2) velocity along x and y [px/s] at every other pixel
 
     def at(self, time_s: float) -> NDArray[np.float32]:
         """(H/2, W/2, 2) velocity at a time, linear between steps, constant beyond them [px/s]."""

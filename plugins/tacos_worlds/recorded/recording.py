@@ -18,15 +18,11 @@ _MOSAIC = 1.03
 
 @dataclass(frozen=True, eq=False)
 class ExposedFrames:
-    """Frames of one exposure, in the order they were taken.
-
-    `stamp_s`: (N,) times of ``times.csv``, from the first of the recording [s]. `codes_dn`: (N, H, W) samples
-    as stored [DN].
-    """
+    """Frames of one exposure, in the order they were taken."""
 
     exposure_ms: float
-    stamp_s: NDArray[np.float64]
-    codes_dn: NDArray[np.uint16]
+    stamp_s: NDArray[np.float64]  # (N,) times of ``times.csv``, from the first of the recording [s]
+    codes_dn: NDArray[np.uint16]  # (N, H, W) samples as stored [DN]
 
     @property
     def name(self) -> str:
@@ -36,27 +32,13 @@ class ExposedFrames:
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """Exposures of one walk of one camera.
+    """Exposures of one walk of one camera."""
 
-    Parameters
-    ----------
-    exposures
-        By name, the shortest first.
-    bits
-        Bits of a sample, of which its largest code tells.
-    response
-        From codes to light.
-    response_from
-        Where the response comes from, in a sentence.
-    green_on_diagonal
-        True if the mosaic has green at (0, 0) and (1, 1).
-    """
-
-    exposures: Mapping[str, ExposedFrames]
-    bits: int
-    response: Response
-    response_from: str
-    green_on_diagonal: bool = False
+    exposures: Mapping[str, ExposedFrames]  # by name, the shortest first
+    bits: int  # bits of a sample, of which its largest code tells
+    response: Response  # from codes to light
+    response_from: str  # where the response comes from, in a sentence
+    green_on_diagonal: bool = False  # true if the mosaic has green at (0, 0) and (1, 1)
 
     @property
     def white_dn(self) -> int:

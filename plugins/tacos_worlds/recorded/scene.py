@@ -40,25 +40,14 @@ CALIBRATION = "camera.yaml"
 
 @dataclass(frozen=True, eq=False)
 class RecordedEpisode(Episode):
-    """Consecutive frames of a recording.
-
-    Parameters
-    ----------
-    camera
-        What recorded it, at the resolution of its light, mounted as the settings say.
-    exposure_name
-        Of which exposure its frames are.
-    first_index
-        Where in the recording the episode begins.
-    cd_m2_per_unit
-        Luminance of one unit of its light [cd/m2 per DN/ms].
-    """
+    """Consecutive frames of a recording."""
 
     source: Source | None = None
     camera: Camera | None = None
-    exposure_name: str = ""
-    first_index: int = 0
-    cd_m2_per_unit: float = 1.0
+    """What recorded it, at the resolution of its light, mounted as the settings say."""
+    exposure_name: str = ""  # of which exposure its frames are
+    first_index: int = 0  # where in the recording the episode begins
+    cd_m2_per_unit: float = 1.0  # luminance of one unit of its light [cd/m2 per DN/ms]
 
 
 class RecordedScene:

@@ -23,25 +23,15 @@ REFLECTED = 0.18
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """Light of a recording per millisecond of exposure, in its own unit [DN/ms].
-
-    Parameters
-    ----------
-    mosaic
-        Period of its colour filters [px]: 2 for Bayer, each cell a pixel of three colours, 1 for none.
-    red_first
-        True if the first sample that is not green is red.
-    black_dn
-        Pedestal in the linear samples [DN].
-    fall_off
-        (H, W) share of the light that the lens passes, 1 on its axis.
-    """
+    """Light of a recording per millisecond of exposure, in its own unit [DN/ms]."""
 
     recording: Recording
     mosaic: int
-    red_first: bool = True
-    black_dn: float = 0.0
+    """Period of its colour filters [px]: 2 for Bayer, each cell a pixel of three colours, 1 for none."""
+    red_first: bool = True  # true if the first sample that is not green is red
+    black_dn: float = 0.0  # pedestal in the linear samples [DN]
     fall_off: NDArray[np.float32] | None = None
+    """(H, W) share of the light that the lens passes, 1 on its axis."""
 
     @property
     def channels(self) -> int:

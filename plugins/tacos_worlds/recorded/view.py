@@ -62,14 +62,10 @@ def _border(camera: Camera) -> NDArray[np.float64]:
 
 @dataclass(frozen=True, eq=False)
 class Shares:
-    """How the pixels of a camera are made of those of the source.
+    """How the pixels of a camera are made of those of the source."""
 
-    `light`: (camera's pixels, source's pixels) shares of light. `noise`: the same of the variance of noise
-    that is not shared by pixels.
-    """
-
-    light: csr_array
-    noise: csr_array
+    light: csr_array  # (camera's pixels, source's pixels) shares of light
+    noise: csr_array  # the same of the variance of noise that is not shared by pixels
 
 
 def shares_of(camera: Camera, source: Camera) -> Shares:

@@ -29,21 +29,11 @@ _BLOCK_M = (62.0, 104.0)
 
 @dataclass(frozen=True)
 class Town:
-    """Straight streets along x and y, all crossing each other.
+    """Straight streets along x and y, all crossing each other."""
 
-    Parameters
-    ----------
-    street_y_m
-        Middle of each street that runs along x, rising [m].
-    street_x_m
-        Middle of each street that runs along y, rising [m].
-    reach_m
-        How far the streets go on beyond the outermost crossings [m].
-    """
-
-    street_y_m: tuple[float, ...]
-    street_x_m: tuple[float, ...]
-    reach_m: float
+    street_y_m: tuple[float, ...]  # middle of each street that runs along x, rising [m]
+    street_x_m: tuple[float, ...]  # middle of each street that runs along y, rising [m]
+    reach_m: float  # how far the streets go on beyond the outermost crossings [m]
 
     @property
     def extent(self) -> Rect:
@@ -98,23 +88,12 @@ class Kerb:
     """The right-hand kerb of a stretch of street without crossings, in the direction of traffic.
 
     Its frame has x along the traffic, y to the left (over the road) and z up from the road.
-
-    Parameters
-    ----------
-    start_m
-        (x, y) of its beginning [m].
-    heading
-        Quarter turns from +x, counter-clockwise.
-    length_m
-        Between the rounded corners [m].
-    inner
-        True if it lies between two crossings, where the car may drive.
     """
 
-    start_m: tuple[float, float]
-    heading: int
-    length_m: float
-    inner: bool
+    start_m: tuple[float, float]  # (x, y) of its beginning [m]
+    heading: int  # quarter turns from +x, counter-clockwise
+    length_m: float  # between the rounded corners [m]
+    inner: bool  # true if it lies between two crossings, where the car may drive
 
     def point(self, along_m: float, left_m: float) -> tuple[float, float]:
         """(x, y) of a place of this frame [m]."""

@@ -32,13 +32,10 @@ _HEADINGS = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 @dataclass(frozen=True, eq=False)
 class Way:
-    """A line through the town, in steps of equal length.
+    """A line through the town, in steps of equal length."""
 
-    `points_m`: (N, 2) [m]. `heading_rad`: (N,) continuous [rad].
-    """
-
-    points_m: NDArray[np.float64]
-    heading_rad: NDArray[np.float64]
+    points_m: NDArray[np.float64]  # (N, 2) [m]
+    heading_rad: NDArray[np.float64]  # (N,) continuous [rad]
 
 
 def draw_way(rng: np.random.Generator, town: Town, length_m: float) -> Way:

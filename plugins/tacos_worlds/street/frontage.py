@@ -19,22 +19,12 @@ _NEAR_M = 1.0
 
 @dataclass(frozen=True)
 class _Side:
-    """A side of a block in the frame of its fronts: x along them as seen from the street, -y to the street.
+    """A side of a block in the frame of its fronts: x along them as seen from the street, -y to the street."""
 
-    Parameters
-    ----------
-    origin_m, yaw_quarters
-        Where its left end is, and how the frame is turned.
-    length_m
-        From end to end [m].
-    corner_left, corner_right
-        True if its ends stand at street corners.
-    """
-
-    origin_m: tuple[float, float]
+    origin_m: tuple[float, float]  # with yaw_quarters: where its left end is, and how the frame is turned
     yaw_quarters: int
-    length_m: float
-    corner_left: bool
+    length_m: float  # from end to end [m]
+    corner_left: bool  # with corner_right: true if its ends stand at street corners
     corner_right: bool
 
 

@@ -32,14 +32,10 @@ _TRIES = 12
 
 @dataclass(frozen=True, eq=False)
 class Pedestrian:
-    """Somebody on a pavement.
+    """Somebody on a pavement."""
 
-    `piece`: the person where he or she rests. `trajectory`: from there to where the person is; None for those
-    who stand.
-    """
-
-    piece: Piece
-    trajectory: Trajectory | None
+    piece: Piece  # the person where he or she rests
+    trajectory: Trajectory | None  # from there to where the person is; None for those who stand
 
 
 def draw_pedestrians(

@@ -32,13 +32,10 @@ Line = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 @dataclass(frozen=True, eq=False)
 class Driver:
-    """A car that drives along one street again and again.
+    """A car that drives along one street again and again."""
 
-    `piece`: the car where it rests: at the beginning of its lane. `trajectory`: from there to where it is.
-    """
-
-    piece: Piece
-    trajectory: Trajectory
+    piece: Piece  # the car where it rests: at the beginning of its lane
+    trajectory: Trajectory  # from there to where it is
 
 
 def draw_traffic(

@@ -19,13 +19,10 @@ BORDER_PX = 4
 
 @dataclass(frozen=True, eq=False)
 class Overlay:
-    """A picture in the pixels of another.
+    """A picture in the pixels of another."""
 
-    `image`: (H, W) float32 the moved picture. `inside`: (H, W) bool where it is known.
-    """
-
-    image: NDArray[np.float32]
-    inside: NDArray[np.bool_]
+    image: NDArray[np.float32]  # (H, W) float32 the moved picture
+    inside: NDArray[np.bool_]  # (H, W) bool where it is known
 
 
 def laid_over(picture: NDArray[np.float32], onto: NDArray[np.float32]) -> Overlay | None:

@@ -20,21 +20,11 @@ _SPIKE_SHARE = 0.001
 
 @dataclass(frozen=True, eq=False)
 class Bracket:
-    """What a bracket tells of its view.
+    """What a bracket tells of its view."""
 
-    Parameters
-    ----------
-    response
-        From light to codes.
-    rate
-        (H, W, C) light per second over that of the full code [1/s].
-    known
-        (H, W) pixels that some exposure shows unclipped in every channel.
-    """
-
-    response: Response
-    rate: NDArray[np.float64]
-    known: NDArray[np.bool_]
+    response: Response  # from light to codes
+    rate: NDArray[np.float64]  # (H, W, C) light per second over that of the full code [1/s]
+    known: NDArray[np.bool_]  # (H, W) pixels that some exposure shows unclipped in every channel
 
 
 def measure_bracket(captures: Sequence[RealCapture]) -> Bracket:

@@ -33,20 +33,14 @@ _ROUNDING_DN = 0.1
 
 @dataclass(frozen=True, eq=False)
 class ChartLight:
-    """What the neutral patches tell of light and response.
-
-    Parameters
-    ----------
-    slope
-        Of the logarithm of code against that of reflectance: 1 for a linear camera, about .45 for pictures
-        made for a display.
-    offset_dn
-        (3,) what a linear camera adds to every patch: a pedestal, or veiling light; 0 on a curve [DN].
-    """
+    """What the neutral patches tell of light and response."""
 
     white_dn: NDArray[np.float64]
     slope: float
+    """Of the logarithm of code against that of reflectance: 1 for a linear camera, about .45 for pictures
+    made for a display."""
     offset_dn: NDArray[np.float64]
+    """(3,) what a linear camera adds to every patch: a pedestal, or veiling light; 0 on a curve [DN]."""
 
 
 @cache

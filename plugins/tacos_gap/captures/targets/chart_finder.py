@@ -28,14 +28,11 @@ _SAMPLED = 0.5
 
 @dataclass(frozen=True, eq=False)
 class FoundChart:
-    """Where a ColorChecker is.
-
-    `patches_px`: (24, 4, 2) corners of the patches in the order of the chart, dark skin first [px].
-    `likeness`: correlation of its colours with the reference.
-    """
+    """Where a ColorChecker is."""
 
     patches_px: NDArray[np.float64]
-    likeness: float
+    """(24, 4, 2) corners of the patches in the order of the chart, dark skin first [px]."""
+    likeness: float  # correlation of its colours with the reference
 
     def boxes(self) -> NDArray[np.int64]:
         """(24, 4) x, y, width, height of upright boxes well inside the patches [px]."""

@@ -18,22 +18,12 @@ much."""
 
 @dataclass(frozen=True, eq=False)
 class Lattice:
-    """Four-sided areas of a picture that stand on one lattice, as patches of a chart do.
-
-    Parameters
-    ----------
-    scale
-        Its size over the picture's.
-    quads_px
-        (K, 4, 2) corners of the areas in it [px].
-    places
-        (K, 2) column and row on the lattice, from 0.
-    """
+    """Four-sided areas of a picture that stand on one lattice, as patches of a chart do."""
 
     image: NDArray[np.float32]
-    scale: float
-    quads_px: NDArray[np.float64]
-    places: NDArray[np.int64]
+    scale: float  # its size over the picture's
+    quads_px: NDArray[np.float64]  # (K, 4, 2) corners of the areas in it [px]
+    places: NDArray[np.int64]  # (K, 2) column and row on the lattice, from 0
 
 
 def find_lattice(rgb: NDArray[np.floating]) -> Lattice | None:

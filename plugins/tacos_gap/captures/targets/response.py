@@ -30,21 +30,12 @@ _BINS = 60
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """How light turns into codes: the light that a code stands for, both over full scale.
+    """How light turns into codes: the light that a code stands for, both over full scale."""
 
-    Parameters
-    ----------
-    log_code
-        (K,) rising logarithms of codes over full scale, the last 0.
-    log_light
-        (K,) logarithms of light, that of the full code 0; equal to `log_code` for a linear camera.
-    linear
-        Whether a straight line fitted, as far as lamps are steady.
-    """
-
-    log_code: NDArray[np.float64]
+    log_code: NDArray[np.float64]  # (K,) rising logarithms of codes over full scale, the last 0
     log_light: NDArray[np.float64]
-    linear: bool
+    """(K,) logarithms of light, that of the full code 0; equal to `log_code` for a linear camera."""
+    linear: bool  # whether a straight line fitted, as far as lamps are steady
 
     def light_of(self, code: NDArray[np.floating]) -> NDArray[np.float64]:
         """Light over that of the full code, of codes over full scale; straight on below the first knot."""

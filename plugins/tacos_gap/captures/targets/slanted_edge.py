@@ -24,21 +24,12 @@ _EVEN = 0.12
 
 @dataclass(frozen=True)
 class SlantedEdge:
-    """A straight edge between two sides.
+    """A straight edge between two sides."""
 
-    Parameters
-    ----------
-    normal
-        Unit vector (x, y) from the dark side to the bright one.
-    offset_px
-        Where the edge crosses it: points on the edge have ``normal . (x, y) = offset_px`` [px].
-    angle_deg
-        From the nearest image axis [deg].
-    """
-
-    normal: tuple[float, float]
+    normal: tuple[float, float]  # unit vector (x, y) from the dark side to the bright one
     offset_px: float
-    angle_deg: float
+    """Where the edge crosses it: points on the edge have ``normal . (x, y) = offset_px`` [px]."""
+    angle_deg: float  # from the nearest image axis [deg]
 
     def distance_px(self, shape: tuple[int, int]) -> NDArray[np.float64]:
         """(H, W) signed distance of pixel centres, positive on the bright side [px]."""

@@ -52,14 +52,11 @@ less, and dots of ink would make up those as well."""
 
 @dataclass(frozen=True)
 class EvenBlur:
-    """A blur that is the same all over a picture.
+    """A blur that is the same all over a picture."""
 
-    `family`: none, gaussian, disc or line. `angle_deg`: of a line, from x downwards [deg].
-    """
-
-    family: str = "none"
+    family: str = "none"  # none, gaussian, disc or line
     size_px: float = 0.0
-    angle_deg: float = 0.0
+    angle_deg: float = 0.0  # of a line, from x downwards [deg]
 
     @property
     def transfer(self) -> Transfer:
@@ -73,15 +70,11 @@ class EvenBlur:
 
 @dataclass(frozen=True, eq=False)
 class Print:
-    """Two tones and the blur that made a picture of them.
-
-    `unexplained`: share of the picture's variance that the blurred print leaves. `ink`: (H, W) share of each
-    pixel that is ink.
-    """
+    """Two tones and the blur that made a picture of them."""
 
     blur: EvenBlur
-    unexplained: float
-    ink: NDArray[np.float32]
+    unexplained: float  # share of the picture's variance that the blurred print leaves
+    ink: NDArray[np.float32]  # (H, W) share of each pixel that is ink
 
 
 def with_print(capture: RealCapture) -> RealCapture | None:

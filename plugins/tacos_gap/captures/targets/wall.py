@@ -46,7 +46,7 @@ def even_expectation(
     centre_px
         Principal point in the files [px].
     mosaic
-        Whether the one channel holds a colour filter array, whose four phases have levels of their own.
+        True if the one channel holds a colour filter array, whose four phases have levels of their own.
     """
     expected = np.empty_like(mean_dn)
     for channel in range(mean_dn.shape[-1]):

@@ -17,17 +17,13 @@ Positive = Annotated[float, Field(gt=0)]
 
 @dataclass(frozen=True)
 class BenchShot:
-    """One capture to take.
-
-    `scene`: what is in front of the camera; None behind the cap. `level`: signal of the brightest places over
-    full scale at that time [1].
-    """
+    """One capture to take."""
 
     id: str
     kind: Kind
-    scene: Use | None
+    scene: Use | None  # what is in front of the camera; None behind the cap
     exposure_ms: float
-    level: float
+    level: float  # signal of the brightest places over full scale at that time [1]
     frames: int
     group: str | None
     level_uncertainty: float

@@ -48,21 +48,12 @@ BRIGHTEST_PERCENT = 99.0
 
 @dataclass(frozen=True, eq=False)
 class Expected:
-    """What the simulator expects of a shot.
+    """What the simulator expects of a shot."""
 
-    Parameters
-    ----------
-    light
-        What was rendered, dimmed to the level.
-    factor
-        By which the lamp was dimmed to that level [1].
-    signal_dn
-        (1 or N, H, W, C) noise-free values of the file with the pedestal, not clipped [DN].
-    """
-
-    light: Rendered
-    factor: float
+    light: Rendered  # what was rendered, dimmed to the level
+    factor: float  # by which the lamp was dimmed to that level [1]
     signal_dn: NDArray[np.float32]
+    """(1 or N, H, W, C) noise-free values of the file with the pedestal, not clipped [DN]."""
     black_level_dn: float
     white_level_dn: float
 

@@ -1,4 +1,4 @@
-"""Whether a study would decide otherwise in the better simulator."""
+"""The decision of a study in the better simulator, beside that in the one as it was."""
 
 from __future__ import annotations
 

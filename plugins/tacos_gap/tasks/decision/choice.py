@@ -13,23 +13,15 @@ Verdict = Literal["stays", "changes", "undecided"]
 
 @dataclass(frozen=True)
 class Choice:
-    """The camera one would take before and after.
+    """The camera one would take before and after."""
 
-    Parameters
-    ----------
-    before, after
-        The best camera in the simulation as it was, and with the causes.
-    verdict
-        ``stays`` where no camera beats the first in the better simulation, or only by less than matters;
-        ``changes`` where one does; ``undecided`` where the scenes do not tell.
-    decided_by
-        The first camera less the one that decides, in the better simulation; None where none was compared.
-    """
-
-    before: str
+    before: str  # with after: the best camera in the simulation as it was, and with the causes
     after: str
     verdict: Verdict
+    """``stays`` where no camera beats the first in the better simulation, or only by less than matters;
+    ``changes`` where one does; ``undecided`` where the scenes do not tell."""
     decided_by: PairedInterval | None = None
+    """The first camera less the one that decides, in the better simulation; None where none was compared."""
 
     def as_data(self) -> dict[str, Any]:
         found = self.decided_by
@@ -42,7 +34,7 @@ class Choice:
 
 
 def choice(before: RankedCameras, after: RankedCameras) -> Choice:
-    """Whether the best camera before is still the one to take.
+    """The camera to take, before and after.
 
     The sequential test of `after` compares every camera with the best of `before`.
     """
@@ -61,7 +53,7 @@ def choice(before: RankedCameras, after: RankedCameras) -> Choice:
 
 
 def sentence(before: RankedCameras, after: RankedCameras, found: Choice, confidence: float) -> str:
-    """Whether the ranking and the choice change, and how sure that is."""
+    """Change of the ranking and of the choice, with its certainty."""
     first, second = before.order, after.order
     if first == second:
         text = f"The ranking of the cameras stays: {', '.join(second)}."

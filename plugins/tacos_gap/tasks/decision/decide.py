@@ -44,7 +44,7 @@ class Question:
         return plan
 
     def check(self, plugins: Plugins) -> None:
-        """Whether it can be run without and with effects. Raises UserError as `plan` does."""
+        """Plan it without and with effects. Raises UserError as `plan` does."""
         self.plan(plugins)
         self.plan(plugins, PROBE)
 

@@ -17,25 +17,16 @@ DRAWS = 2000
 
 @dataclass(frozen=True)
 class RankedCameras:
-    """Cameras in one simulation.
-
-    Parameters
-    ----------
-    intervals
-        Interval of each fitness over scenes; None where there are too few.
-    chance_best
-        Share of the resampled sets of scenes on which a camera is the best.
-    comparisons
-        The reference less each other camera, as the sequential test left it.
-    reference
-        The camera that the others are compared with.
-    """
+    """Cameras in one simulation."""
 
     evaluations: Mapping[str, Evaluation]
     intervals: Mapping[str, tuple[float, float] | None] = field(default_factory=dict)
+    """Interval of each fitness over scenes; None where there are too few."""
     chance_best: Mapping[str, float] = field(default_factory=dict)
+    """Share of the resampled sets of scenes on which a camera is the best."""
     comparisons: Mapping[str, PairedInterval] = field(default_factory=dict)
-    reference: str = ""
+    """The reference less each other camera, as the sequential test left it."""
+    reference: str = ""  # the camera that the others are compared with
 
     @property
     def order(self) -> list[str]:

@@ -16,23 +16,13 @@ FRAME_INTERVAL_MS = 33.0
 
 @dataclass(frozen=True, eq=False)
 class Acquisition:
-    """A capture to be taken.
-
-    Parameters
-    ----------
-    shots
-        One, or one per frame of a sequence.
-    frames
-        Frames of the one shot; 1 for a sequence, whose shots have one each.
-    group
-        Captures that vary in exposure alone.
-    """
+    """A capture to be taken."""
 
     id: str
     kind: str
-    shots: tuple[IdealShot, ...]
-    frames: int = 4
-    group: str | None = None
+    shots: tuple[IdealShot, ...]  # one, or one per frame of a sequence
+    frames: int = 4  # frames of the one shot; 1 for a sequence, whose shots have one each
+    group: str | None = None  # captures that vary in exposure alone
     chart: flat_scenes.Chart | None = None
     board: flat_scenes.Checkers | None = None
 

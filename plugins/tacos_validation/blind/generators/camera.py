@@ -16,26 +16,16 @@ PAD_PX = 24
 
 @dataclass(frozen=True)
 class IdealCamera:
-    """A camera without effects.
-
-    Parameters
-    ----------
-    channels
-        1 or 3.
-    photon_dn
-        Digital numbers per electron, so also the variance per DN of signal [DN].
-    thermal_dn2
-        Variance in the dark [DN^2].
-    """
+    """A camera without effects."""
 
     width_px: int
     height_px: int
     focal_px: float
-    channels: int
+    channels: int  # 1 or 3
     black_dn: float = 16.0
     white_dn: float = 255.0
-    photon_dn: float = 0.24
-    thermal_dn2: float = 1.8
+    photon_dn: float = 0.24  # digital numbers per electron, so also the variance per DN of signal [DN]
+    thermal_dn2: float = 1.8  # variance in the dark [DN^2]
     pixel_um: float = 6.0
 
     @property
@@ -66,18 +56,14 @@ Look = Callable[[Image, Image, int], Image]
 
 @dataclass(frozen=True)
 class IdealShot:
-    """One exposure of a view.
-
-    `look`: what is before it, at the exposure of the shot. `has_pose`: whether the simulator claims to know
-    the pose; of a board it does not.
-    """
+    """One exposure of a view."""
 
     camera: IdealCamera
-    look: Look
+    look: Look  # what is before it, at the exposure of the shot
     exposure_ms: float
     velocity_px_s: tuple[float, float] = (0.0, 0.0)
     depth_m: float = 1.0
-    has_pose: bool = True
+    has_pose: bool = True  # whether the simulator claims to know the pose; of a board it does not
 
 
 def dark(x: Image, y: Image, channel: int) -> Image:

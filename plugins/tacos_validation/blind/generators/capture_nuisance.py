@@ -14,25 +14,17 @@ from tacos_validation.blind.generators.light_effects import InjectedDefocus
 
 @dataclass(frozen=True)
 class CaptureNuisance:
-    """Disturbances of one capture, or of all captures of a group.
-
-    Parameters
-    ----------
-    gain, slope
-        Of the light: a factor, and relative slopes over the width, the height and the diagonals.
-    expected_frames
-        Noisy frames behind the expectation; 0 for a noiseless one.
-    defocus_px
-        Radius of a disc [px].
-    """
+    """Disturbances of one capture, or of all captures of a group."""
 
     shift_px: tuple[float, float] = (0.0, 0.0)
     turn_deg: float = 0.0
     gain: float = 1.0
+    """With slope: of the light: a factor, and relative slopes over the width, the height and the
+    diagonals."""
     slope: tuple[float, float, float] = (0.0, 0.0, 0.0)
     level_uncertainty: float = 0.0
-    expected_frames: int = 0
-    defocus_px: float = 0.0
+    expected_frames: int = 0  # noisy frames behind the expectation; 0 for a noiseless one
+    defocus_px: float = 0.0  # radius of a disc [px]
     file_quality: int | None = None
 
     def real(self, shot: IdealShot) -> IdealShot:

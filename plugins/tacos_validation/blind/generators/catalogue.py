@@ -18,27 +18,18 @@ Build = Callable[[float, np.random.Generator], InjectedEffect]
 
 @dataclass(frozen=True)
 class Withheld:
-    """An effect that can be withheld.
-
-    Parameters
-    ----------
-    build
-        Makes the effect of an amplitude; the generator draws what amplitude leaves open (signs, directions,
-        shapes) and is seeded alike for every amplitude of a case.
-    field
-        Amplitudes met in the field, 5th and 95th percentile of gap.md's table, or what is usual where it has
-        none.
-    largest
-        Amplitude beyond which no camera is shipped.
-    natural
-        True if pictures of natural scenes alone can tell it: no dark frames, no exposure series, no boards.
-    """
+    """An effect that can be withheld."""
 
     build: Build
+    """Makes the effect of an amplitude; the generator draws what amplitude leaves open (signs, directions,
+    shapes) and is seeded alike for every amplitude of a case."""
     field: tuple[float, float]
-    largest: float
+    """Amplitudes met in the field, 5th and 95th percentile of gap.md's table, or what is usual where it has
+    none."""
+    largest: float  # amplitude beyond which no camera is shipped
     colour: bool = False
     natural: bool = True
+    """True if pictures of natural scenes alone can tell it: no dark frames, no exposure series, no boards."""
 
 
 def _sign(rng: np.random.Generator) -> float:

@@ -16,15 +16,12 @@ Make = Callable[[IdealCamera, np.random.Generator], list[Acquisition]]
 
 @dataclass(frozen=True)
 class Pair:
-    """Two effects that few captures cannot tell apart.
-
-    `few`: captures that leave them alike. `split`: captures that tell them apart, beside the few.
-    """
+    """Two effects that few captures cannot tell apart."""
 
     truth: str
     other: str
-    few: Make
-    split: Make
+    few: Make  # captures that leave them alike
+    split: Make  # captures that tell them apart, beside the few
 
 
 def _one_scene(camera: IdealCamera, rng: np.random.Generator) -> list[Acquisition]:

@@ -21,14 +21,10 @@ SOFTNESS_PX = 0.6
 
 @dataclass(frozen=True, eq=False)
 class FlatScene:
-    """A flat picture before the camera, finer and wider than the image, sampled by cubic splines.
+    """A flat picture before the camera, finer and wider than the image, sampled by cubic splines."""
 
-    `coefficients`: (C, h, w) spline coefficients of the light [DN above the pedestal]. `origin_px`: pixel of
-    the image at which its first sample lies.
-    """
-
-    coefficients: Image
-    origin_px: tuple[float, float]
+    coefficients: Image  # (C, h, w) spline coefficients of the light [DN above the pedestal]
+    origin_px: tuple[float, float]  # pixel of the image at which its first sample lies
 
     def __call__(self, x: Image, y: Image, channel: int) -> Image:
         where = (
@@ -118,15 +114,11 @@ def edges(camera: IdealCamera, rng: np.random.Generator) -> FlatScene:
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """A chart of even patches.
-
-    `boxes`: (P, 4) x, y, width, height in the image [px]. `colours`: (P, 3) expected light, above the
-    pedestal [DN].
-    """
+    """A chart of even patches."""
 
     picture: FlatScene
-    boxes: NDArray[np.int64]
-    colours: Image
+    boxes: NDArray[np.int64]  # (P, 4) x, y, width, height in the image [px]
+    colours: Image  # (P, 3) expected light, above the pedestal [DN]
 
 
 def chart(camera: IdealCamera, rng: np.random.Generator) -> Chart:
@@ -163,14 +155,11 @@ def chart(camera: IdealCamera, rng: np.random.Generator) -> Chart:
 
 @dataclass(frozen=True, eq=False)
 class Checkers:
-    """A chessboard of which `columns` x `rows` inner corners are seen, on a pale ground.
-
-    `rotation`: (3, 3) board to camera. `shift_mm`: (3,) its centre before the camera [mm].
-    """
+    """A chessboard of which `columns` x `rows` inner corners are seen, on a pale ground."""
 
     camera: IdealCamera
-    rotation: Image
-    shift_mm: Image
+    rotation: Image  # (3, 3) board to camera
+    shift_mm: Image  # (3,) its centre before the camera [mm]
     columns: int = 9
     rows: int = 6
     square_mm: float = 25.0

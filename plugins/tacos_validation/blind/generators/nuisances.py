@@ -33,38 +33,19 @@ UNEVEN = 0.04
 
 @dataclass(frozen=True)
 class Nuisance:
-    """Largest disturbances; each capture draws its own.
-
-    Parameters
-    ----------
-    lamp
-        The light is off by this share, and uneven; declared as ``level_uncertainty``.
-    expected_frames
-        The expectation is the mean of between so many noisy frames; declared as ``simulated_frames``.
-    defocus_px
-        Radius of the disc by which the focus is off [px].
-    pedestal
-        True if files have one.
-    file_quality
-        Files are JPEG, between these qualities; None for PNG.
-    pipeline
-        True if the camera processes its pictures, by `PIPELINE`, for all captures alike.
-    may_be_called
-        Effects that an answer may name for it, beside what is withheld.
-    veils
-        Effects that cannot be told beside it.
-    """
+    """Largest disturbances; each capture draws its own."""
 
     shift_px: float = 0.0
     turn_deg: float = 0.0
-    lamp: float = 0.0
+    lamp: float = 0.0  # the light is off by this share, and uneven; declared as ``level_uncertainty``
     expected_frames: tuple[int, int] | None = None
-    defocus_px: float = 0.0
-    pedestal: bool = True
-    file_quality: tuple[int, int] | None = None
-    pipeline: bool = False
-    may_be_called: tuple[str, ...] = ()
-    veils: frozenset[str] = frozenset()
+    """The expectation is the mean of between so many noisy frames; declared as ``simulated_frames``."""
+    defocus_px: float = 0.0  # radius of the disc by which the focus is off [px]
+    pedestal: bool = True  # true if files have one
+    file_quality: tuple[int, int] | None = None  # files are JPEG, between these qualities; None for PNG
+    pipeline: bool = False  # true if the camera processes its pictures, by `PIPELINE`, for all captures alike
+    may_be_called: tuple[str, ...] = ()  # effects that an answer may name for it, beside what is withheld
+    veils: frozenset[str] = frozenset()  # effects that cannot be told beside it
 
     @property
     def effects(self) -> tuple[str, ...]:

@@ -33,35 +33,23 @@ CAPTURES, KEPT_BACK = "captures", "kept_back"
 
 @dataclass(frozen=True)
 class CaseSpecification:
-    """A case to be made.
-
-    Parameters
-    ----------
-    severity
-        In units of the noise floor; None draws amplitudes as met in the field.
-    removed
-        Effects that the solver's catalogue lacks.
-    variants
-        Other makers of an effect than the catalogue's, by name of the effect.
-    scored_on_fresh
-        True if fresh captures are made too.
-    notes
-        Further facts for the report: of a pair, which and whether the splitting capture is there.
-    """
+    """A case to be made."""
 
     case: str
     seed: int
     tier: str
     effects: tuple[str, ...] = ()
-    severity: float | None = 8.0
+    severity: float | None = 8.0  # in units of the noise floor; None draws amplitudes as met in the field
     captures: str = "charts"
     width_px: int = 320
     height_px: int = 240
-    removed: tuple[str, ...] = ()
+    removed: tuple[str, ...] = ()  # effects that the solver's catalogue lacks
     variants: Mapping[str, str] = field(default_factory=dict)
-    scored_on_fresh: bool = False
+    """Other makers of an effect than the catalogue's, by name of the effect."""
+    scored_on_fresh: bool = False  # true if fresh captures are made too
     nuisance: str = ""
     notes: Mapping[str, Any] = field(default_factory=dict)
+    """Further facts for the report: of a pair, which and whether the splitting capture is there."""
 
 
 def make(spec: CaseSpecification, folder: Path) -> dict[str, Any]:
@@ -138,12 +126,10 @@ def _injected(
 class Commitment:
     """A hash commitment to a truth: it cannot change unnoticed, as the digest is known before the solver
     starts.
-
-    `digest`: SHA-256 of the salt and the truth.
     """
 
     case: str
-    digest: str
+    digest: str  # SHA-256 of the salt and the truth
 
 
 def commit(case: str, truth: Mapping[str, Any], file: Path) -> Commitment:

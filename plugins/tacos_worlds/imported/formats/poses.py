@@ -42,21 +42,12 @@ _ROTATION_TOLERANCE = 0.01
 
 @dataclass(frozen=True, eq=False)
 class RecordedPath:
-    """Poses over time, as a file has them.
+    """Poses over time, as a file has them."""
 
-    Parameters
-    ----------
-    time_s
-        (K,) rising, from 0 [s].
-    poses
-        (K, 4, 4) of a body in the world of the recording [m].
-    form, unit
-        The layout of the file, and the unit its stamps were taken to have.
-    """
-
-    time_s: NDArray[np.float64]
-    poses: NDArray[np.float64]
+    time_s: NDArray[np.float64]  # (K,) rising, from 0 [s]
+    poses: NDArray[np.float64]  # (K, 4, 4) of a body in the world of the recording [m]
     form: Literal["tum", "euroc", "kitti"]
+    """With unit: the layout of the file, and the unit its stamps were taken to have."""
     unit: StampUnit = "s"
 
 

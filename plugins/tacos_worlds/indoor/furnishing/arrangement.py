@@ -12,22 +12,12 @@ from tacos_worlds.kit.rectangle import Rect
 
 @dataclass(frozen=True, eq=False)
 class Member:
-    """A piece in the frame of its arrangement.
+    """A piece in the frame of its arrangement."""
 
-    Parameters
-    ----------
-    piece
-        The piece, already turned and moved.
-    height_m
-        Its top above the floor [m].
-    blocks
-        True if it takes floor: false for rugs and for things that stand on others.
-    """
-
-    piece: Piece
+    piece: Piece  # the piece, already turned and moved
     footprint: Rect
-    height_m: float
-    blocks: bool
+    height_m: float  # its top above the floor [m]
+    blocks: bool  # true if it takes floor: false for rugs and for things that stand on others
 
     @property
     def flat(self) -> bool:

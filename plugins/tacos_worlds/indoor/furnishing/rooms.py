@@ -31,25 +31,15 @@ _FILLED = 0.26
 
 @dataclass
 class Furnisher:
-    """Furnishes one room: first what makes the room, then more until it looks lived in.
-
-    Parameters
-    ----------
-    clutter
-        0 for few small things to 1 for many [1].
-    lamps_lit
-        How many lamps may be switched on.
-    triangles
-        Beyond this many triangles nothing is added that the room can do without.
-    """
+    """Furnishes one room: first what makes the room, then more until it looks lived in."""
 
     rng: np.random.Generator
     floor: RoomFloor
     style: Style
     catalogue: Catalogue
-    clutter: float
-    lamps_lit: int
-    triangles: int
+    clutter: float  # 0 for few small things to 1 for many [1]
+    lamps_lit: int  # how many lamps may be switched on
+    triangles: int  # beyond this many triangles nothing is added that the room can do without
 
     def furnish(self, kind: str) -> None:
         """Furnish the room as a kind of :data:`ROOM_KINDS`, and switch on its lamps."""

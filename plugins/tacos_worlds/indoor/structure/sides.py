@@ -16,25 +16,13 @@ from tacos_worlds.kit.rectangle import Rect
 
 @dataclass(frozen=True)
 class Side:
-    """One wall face of a room. Along it x runs to the right seen from the wall, y into the room.
+    """One wall face of a room. Along it x runs to the right seen from the wall, y into the room."""
 
-    Parameters
-    ----------
-    x_m, y_m
-        The corner where the local x starts [m].
-    length_m
-        Length of the face [m].
-    yaw_rad
-        Turns local y into the direction into the room.
-    outer
-        True if the outside lies behind it.
-    """
-
-    x_m: float
+    x_m: float  # with y_m: the corner where the local x starts [m]
     y_m: float
-    length_m: float
-    yaw_rad: float
-    outer: bool
+    length_m: float  # length of the face [m]
+    yaw_rad: float  # turns local y into the direction into the room
+    outer: bool  # true if the outside lies behind it
 
     def place(self, thing: Piece, along_m: float, from_wall_m: float = 0.0, z_m: float = 0.0) -> Piece:
         """A piece given in the side's frame around x = 0, set at a place along the wall."""

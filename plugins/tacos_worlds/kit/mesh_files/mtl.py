@@ -47,45 +47,27 @@ _READ = {"", "#", "d", "illum", "ka", "kd", "ke", "ks", "newmtl", "ni", "ns", "p
 
 @dataclass(frozen=True)
 class MtlMaterial:
-    """What a material says besides its colours and its picture.
+    """What a material says besides its colours and its picture."""
 
-    Parameters
-    ----------
-    opacity
-        0 for what is not there [1].
-    scale, offset
-        Of texture coordinates: ``uv * scale + offset`` [1, tiles].
-    clamped
-        True if the texture ends at its edges.
-    emission
-        Light sent out, in the file's unit.
-    masked
-        True if the alpha of its picture says where it is.
-    roughness, metallic
-        As Pr and Pm give them, which exporters of physically based materials write [1].
-    """
-
-    opacity: float = 1.0
+    opacity: float = 1.0  # 0 for what is not there [1]
     scale: tuple[float, float] = (1.0, 1.0)
+    """With offset: of texture coordinates: ``uv * scale + offset`` [1, tiles]."""
     offset: tuple[float, float] = (0.0, 0.0)
-    clamped: bool = False
-    emission: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    masked: bool = False
+    clamped: bool = False  # true if the texture ends at its edges
+    emission: tuple[float, float, float] = (0.0, 0.0, 0.0)  # light sent out, in the file's unit
+    masked: bool = False  # true if the alpha of its picture says where it is
     roughness: float | None = None
+    """With metallic: as Pr and Pm give them, which exporters of physically based materials write [1]."""
     metallic: float = 0.0
 
 
 @dataclass(frozen=True)
 class Library:
-    """A library of materials.
+    """A library of materials."""
 
-    `plain`: the same text without options before names of pictures. `notes`: what is not carried out, each
-    with its effect.
-    """
-
-    plain: str
+    plain: str  # the same text without options before names of pictures
     materials: Mapping[str, MtlMaterial]
-    notes: tuple[str, ...]
+    notes: tuple[str, ...]  # what is not carried out, each with its effect
 
 
 def read_library(text: str) -> Library:

@@ -14,33 +14,15 @@ _LEAST_AREA_M2 = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Patch:
-    """Triangles of one skin and one object.
+    """Triangles of one skin and one object."""
 
-    Parameters
-    ----------
-    vertices_m
-        (V, 3) float64 [m].
-    triangles
-        (T, 3) int64.
-    skin
-        Index into the model's skins.
-    object_id
-        Object of the world.
-    normals
-        (V, 3) or None where they have yet to be worked out.
-    uv
-        (V, 2) in tiles, or None.
-    colours
-        (V, 3) linear reflectance, or None.
-    """
-
-    vertices_m: NDArray[np.float64]
-    triangles: NDArray[np.int64]
-    skin: int
-    object_id: int
-    normals: NDArray[np.float64] | None = None
-    uv: NDArray[np.float64] | None = None
-    colours: NDArray[np.float64] | None = None
+    vertices_m: NDArray[np.float64]  # (V, 3) float64 [m]
+    triangles: NDArray[np.int64]  # (T, 3) int64
+    skin: int  # index into the model's skins
+    object_id: int  # object of the world
+    normals: NDArray[np.float64] | None = None  # (V, 3) or None where they have yet to be worked out
+    uv: NDArray[np.float64] | None = None  # (V, 2) in tiles, or None
+    colours: NDArray[np.float64] | None = None  # (V, 3) linear reflectance, or None
 
     def with_triangles(self, triangles: NDArray[np.int64]) -> Patch:
         """The same with other triangles, and only the vertices these use."""

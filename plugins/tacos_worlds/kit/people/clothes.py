@@ -43,29 +43,17 @@ _BRIGHT: tuple[Colour, ...] = (
 
 @dataclass(frozen=True)
 class Clothes:
-    """The finishes of a dressed body.
-
-    Parameters
-    ----------
-    coat
-        True if the top reaches down over the hips.
-    short_sleeves
-        True if the forearms are bare.
-    skirt
-        True if a skirt is worn in place of trousers.
-    long_hair
-        True if the hair reaches to the shoulders.
-    """
+    """The finishes of a dressed body."""
 
     skin: Finish
     hair: Finish
     top: Finish
     trousers: Finish
     shoes: Finish
-    coat: bool
-    short_sleeves: bool
-    skirt: bool
-    long_hair: bool
+    coat: bool  # true if the top reaches down over the hips
+    short_sleeves: bool  # true if the forearms are bare
+    skirt: bool  # true if a skirt is worn in place of trousers
+    long_hair: bool  # true if the hair reaches to the shoulders
 
 
 def draw_clothes(rng: np.random.Generator, *, outdoors: bool, cloth: str) -> Clothes:

@@ -56,21 +56,11 @@ _LEAST_HEAD_M = 0.2
 
 @dataclass(frozen=True)
 class Build:
-    """The size of a body.
+    """The size of a body."""
 
-    Parameters
-    ----------
-    height_m
-        Upright, without shoes [m].
-    girth
-        Over that of a slim body of the same height [1].
-    sides
-        Corners of a ring of the trunk: how smooth it is drawn.
-    """
-
-    height_m: float
-    girth: float
-    sides: int
+    height_m: float  # upright, without shoes [m]
+    girth: float  # over that of a slim body of the same height [1]
+    sides: int  # corners of a ring of the trunk: how smooth it is drawn
 
     @property
     def near(self) -> bool:

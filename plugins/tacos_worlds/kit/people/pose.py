@@ -24,29 +24,15 @@ SEATED_THIGH = 0.045
 
 @dataclass(frozen=True)
 class Pose:
-    """Angles of the joints, left and right, forward positive [deg].
+    """Angles of the joints, left and right, forward positive [deg]."""
 
-    Parameters
-    ----------
-    hips, knees
-        Flexion of each [deg].
-    shoulders, elbows
-        Flexion of each [deg].
-    arms_aside
-        How far the arms are held off the body [deg].
-    lean
-        Of the trunk, forward [deg].
-    seated
-        True if the weight rests on a seat.
-    """
-
-    hips: tuple[float, float] = (0.0, 0.0)
+    hips: tuple[float, float] = (0.0, 0.0)  # with knees: flexion of each [deg]
     knees: tuple[float, float] = (3.0, 3.0)
-    shoulders: tuple[float, float] = (3.0, 3.0)
+    shoulders: tuple[float, float] = (3.0, 3.0)  # with elbows: flexion of each [deg]
     elbows: tuple[float, float] = (12.0, 12.0)
-    arms_aside: float = 7.0
-    lean: float = 0.0
-    seated: bool = False
+    arms_aside: float = 7.0  # how far the arms are held off the body [deg]
+    lean: float = 0.0  # of the trunk, forward [deg]
+    seated: bool = False  # true if the weight rests on a seat
 
 
 @dataclass(frozen=True, eq=False)

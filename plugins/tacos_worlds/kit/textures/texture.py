@@ -11,21 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 
 @dataclass(frozen=True, eq=False)
 class Texture:
-    """A square image that tiles.
+    """A square image that tiles."""
 
-    Parameters
-    ----------
-    colour
-        (T, T, 3) uint8 sRGB.
-    size_m
-        Edge of one tile [m].
-    normal_map
-        (T, T, 3) uint8 tangent-space normals, or None.
-    """
-
-    colour: NDArray[np.uint8]
-    size_m: float
-    normal_map: NDArray[np.uint8] | None = None
+    colour: NDArray[np.uint8]  # (T, T, 3) uint8 sRGB
+    size_m: float  # edge of one tile [m]
+    normal_map: NDArray[np.uint8] | None = None  # (T, T, 3) uint8 tangent-space normals, or None
 
 
 def texture(colour: ArrayLike, size_m: float, *, height_m: NDArray[np.float64] | None = None) -> Texture:

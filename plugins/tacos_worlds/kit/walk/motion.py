@@ -26,21 +26,11 @@ _SWAY_M = 0.012
 
 @dataclass(frozen=True, eq=False)
 class Walk:
-    """One continuous walk.
+    """One continuous walk."""
 
-    Parameters
-    ----------
-    time_s
-        (K,) times of the poses from 0 [s].
-    world_from_agent
-        (K, 4, 4) poses of the head [m].
-    crossings
-        (time [s], door) for each doorway, in order.
-    """
-
-    time_s: NDArray[np.float64]
-    world_from_agent: NDArray[np.float64]
-    crossings: tuple[tuple[float, int], ...]
+    time_s: NDArray[np.float64]  # (K,) times of the poses from 0 [s]
+    world_from_agent: NDArray[np.float64]  # (K, 4, 4) poses of the head [m]
+    crossings: tuple[tuple[float, int], ...]  # (time [s], door) for each doorway, in order
 
     @property
     def duration_s(self) -> float:

@@ -22,28 +22,15 @@ _WALKS_IN_VAIN = 50
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """A part of a walk, and when frames are taken in it.
-
-    Parameters
-    ----------
-    start_s
-        Where in the walk it begins, at or before its first frame [s].
-    end_s
-        Where it ends, at or after its last frame [s].
-    frames_s
-        (N,) times of the frames after its start, rising [s].
-    crossings
-        (time in the walk [s], door) of the doorways that count.
-    owned
-        True if the crossings name this stretch as their walk, as they must where no frame follows them.
-    """
+    """A part of a walk, and when frames are taken in it."""
 
     walk: Walk
-    start_s: float
-    end_s: float
-    frames_s: NDArray[np.float64]
-    crossings: tuple[tuple[float, int], ...]
+    start_s: float  # where in the walk it begins, at or before its first frame [s]
+    end_s: float  # where it ends, at or after its last frame [s]
+    frames_s: NDArray[np.float64]  # (N,) times of the frames after its start, rising [s]
+    crossings: tuple[tuple[float, int], ...]  # (time in the walk [s], door) of the doorways that count
     owned: bool = False
+    """True if the crossings name this stretch as their walk, as they must where no frame follows them."""
 
 
 def joined(world: World, stretches: Iterable[Stretch]) -> Episode:

@@ -21,11 +21,8 @@ class FoundFrame:
 
 @dataclass(frozen=True)
 class FoundRecording:
-    """Frames in the order of their table.
-
-    `camera`: text for ``camera.yaml``; empty where nothing is known of the lens.
-    """
+    """Frames in the order of their table."""
 
     layout: str
     frames: tuple[FoundFrame, ...]
-    camera: str = ""
+    camera: str = ""  # text for ``camera.yaml``; empty where nothing is known of the lens

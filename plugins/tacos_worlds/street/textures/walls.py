@@ -24,13 +24,10 @@ Colour = tuple[float, float, float]
 
 @dataclass
 class Canvas:
-    """A wall being drawn, rows from the bottom up.
+    """A wall being drawn, rows from the bottom up."""
 
-    `colour`: (T, T, 3) sRGB in 0..1. `height_m`: (T, T) relief [m].
-    """
-
-    colour: Image
-    height_m: Image
+    colour: Image  # (T, T, 3) sRGB in 0..1
+    height_m: Image  # (T, T) relief [m]
 
     def rectangle(self, u: tuple[float, float], v: tuple[float, float]) -> tuple[slice, slice]:
         """The texels of a rectangle, in cells."""

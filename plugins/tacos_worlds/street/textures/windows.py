@@ -11,25 +11,15 @@ from tacos_worlds.street.textures.walls import Canvas, Colour
 
 @dataclass(frozen=True)
 class WindowStyle:
-    """How the windows of a front look; lengths in cells of the wall.
+    """How the windows of a front look; lengths in cells of the wall."""
 
-    Parameters
-    ----------
-    width, height, sill
-        Of the opening, and its height above the floor [cell].
-    trim
-        Width of the surround; 0 for none [cell].
-    frame
-        Colour of the frames.
-    """
-
-    width: float
+    width: float  # with height and sill: of the opening, and its height above the floor [cell]
     height: float
     sill: float
     columns: int
     rows: int
-    trim: float
-    frame: Colour
+    trim: float  # width of the surround; 0 for none [cell]
+    frame: Colour  # colour of the frames
 
 
 def draw_window_style(rng: np.random.Generator, wall: str) -> WindowStyle:

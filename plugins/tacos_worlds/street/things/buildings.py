@@ -42,32 +42,17 @@ Parts = list[tuple[Mesh, Finish]]
 
 @dataclass(frozen=True)
 class House:
-    """What a building of a row is like.
-
-    Parameters
-    ----------
-    width_m, depth_m
-        Its footprint: x from 0 to the width, y from 0 (the street) to the depth [m].
-    floor_m
-        Height of each of them [m].
-    kind
-        Index into `FRONTS`; -1 for an office.
-    shop
-        True if the ground floor holds shops.
-    pitched
-        True if it has a tiled roof with its ridge along the street.
-    tint
-        Index into `_TINTS`.
-    """
+    """What a building of a row is like."""
 
     width_m: float
+    """With depth_m: its footprint: x from 0 to the width, y from 0 (the street) to the depth [m]."""
     depth_m: float
     floors: int
-    floor_m: float
-    kind: int
-    shop: bool
-    pitched: bool
-    tint: int = 0
+    floor_m: float  # height of each of them [m]
+    kind: int  # index into `FRONTS`; -1 for an office
+    shop: bool  # true if the ground floor holds shops
+    pitched: bool  # true if it has a tiled roof with its ridge along the street
+    tint: int = 0  # index into `_TINTS`
 
     @property
     def eaves_m(self) -> float:

@@ -42,29 +42,18 @@ _PAINTS = (
 
 @dataclass(frozen=True)
 class Body:
-    """The shape of a vehicle.
+    """The shape of a vehicle."""
 
-    Parameters
-    ----------
-    length_m, width_m
-        Outer size [m].
-    side
-        (position, lowest, highest) of the lower body from the back to the front: position as a share of half
-        the length, heights in metres.
-    cabin
-        (position, height) of the glass: back and front at its foot, back and front at its top.
-    wheel_m
-        Radius of the wheels [m].
-    axles
-        Positions of rear and front axle as a share of half the length.
-    """
-
-    length_m: float
+    length_m: float  # with width_m: outer size [m]
     width_m: float
     side: tuple[tuple[float, float, float], ...]
+    """(position, lowest, highest) of the lower body from the back to the front: position as a share of half
+    the length, heights in metres."""
     cabin: tuple[tuple[float, float], ...]
-    wheel_m: float = 0.32
+    """(position, height) of the glass: back and front at its foot, back and front at its top."""
+    wheel_m: float = 0.32  # radius of the wheels [m]
     axles: tuple[float, float] = (-0.62, 0.64)
+    """Positions of rear and front axle as a share of half the length."""
 
 
 HATCHBACK = Body(
