@@ -19,7 +19,7 @@ _NEAR_M = 1.0
 
 @dataclass(frozen=True)
 class _Side:
-    """A side of a block in the frame of its fronts: x along them as seen from the street, -y to the street."""
+    """A side of a block in the frame of its fronts: x along them seen from the street, -y to the street."""
 
     origin_m: tuple[float, float]  # with yaw_quarters: where its left end is, and how the frame is turned
     yaw_quarters: int
