@@ -23,7 +23,14 @@ from tacos_gap.attribution.negative_control import negative_control
 from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.captures.coverage import beyond_even_fields, beyond_own_edges
 from tacos_gap.captures.even_light import with_even_light
-from tacos_gap.captures.large import enough_pixels, left_out, measured_part, part_of
+from tacos_gap.captures.large import (
+    enough_pixels,
+    left_out,
+    measured_part,
+    not_searched_over,
+    part_of,
+    searched_over,
+)
 from tacos_gap.captures.mean_of_files import without_clipped_expectation
 from tacos_gap.captures.sharp_edges import with_sharp_edges
 from tacos_gap.evidence import Evidence, ImageEvidence
@@ -229,13 +236,15 @@ def _nuisances(problem: Problem, best: Fitted) -> dict[str, dict[str, Any]]:
 
 def gather(folder: CaptureFolder, seed: int, workers: int = 1) -> tuple[list[Evidence], list[str]]:
     """Evidence of every capture that bears on anything, and why others do not."""
-    captures = boards_found(folder).captures
+    found = boards_found(folder).captures
+    captures = searched_over(found)
     enough = enough_pixels(captures)
     with ThreadPoolExecutor(workers) as pool:
         pictures = list(pool.map(lambda capture: _evidence_of(capture, seed, enough), captures))
     images = [each for each in pictures if isinstance(each, ImageEvidence)]
     boards = evidence_of_boards([capture for capture in captures if capture.corners is not None], seed)
-    said = [each for each in pictures if isinstance(each, str)]
+    said = not_searched_over(found, captures)
+    said += [each for each in pictures if isinstance(each, str)]
     said += [text for each in images for text in unmeasured(each.capture)]
     whole = {capture.id: capture for capture in captures}
     said += [text for each in images if (text := left_out(whole[each.capture.id], each.capture))]

@@ -23,6 +23,7 @@ from tacos_gap.attribution.rounds import (
     MANY,
     SCREENING_FRACTION,
     SIMULATIONS,
+    TRIED,
     WIDER,
     Notify,
     Rounds,
@@ -36,6 +37,10 @@ from tacos_gap.inference.unknown import Unexplained, unexplained
 
 MUCH = 0.4
 """Share of the gap left from which on effects on files are tried together."""
+
+RIVALS_OF_A_SPENT_SEARCH = 1
+"""Rivals of each effect that are fitted where the simulations are spent: what is left is said to be unknown
+anyway, and the first rival says what an effect cannot be told from."""
 
 RIVALS = "comparing with rivals"
 """What is told once an explanation is found, and others are tried in its place."""
@@ -95,10 +100,12 @@ class ForwardSelection:
                     break
                 best = better
             best = restored(rounds.problem, finished(rounds.problem, best), COMPLEXITY_PENALTY / 3)
+            whole = best
             while superfluous := least_needed(rounds.problem, best):
                 if (fewer := rounds.ended_without(best, superfluous)) is None:
                     break
                 best = fewer
+            if best is not whole:
                 slots = {name: self._rivals(best, name) for name in best.names}
             found = Attribution.among(best, rounds.fits.null, slots, rounds.fits.known, rounds.problem)
             return replace(found, directions=rounds.directions, cut_short=rounds.cut_short)
@@ -165,7 +172,9 @@ class ForwardSelection:
         rounds, rest = self._rounds, without(fitted.hypothesis, name)
         (fewer,) = rounds.fits.compared([rest], near=fitted)
         others = [free for free in rounds.free(fewer) if free != name]
-        guesses = rounds.shortlisted(fewer, others, least_of_a_rival(fitted.score - fewer.score))
+        least = least_of_a_rival(fitted.score - fewer.score)
+        most = RIVALS_OF_A_SPENT_SEARCH if rounds.cut_short else TRIED
+        guesses = rounds.shortlisted(fewer, others, least)[:most]
         rivals = rounds.fits.compared([(*rest, guess) for guess in guesses], near=fitted)
         return {"": fewer, **{(set(rival.names) - set(fitted.names)).pop(): rival for rival in rivals}}
 

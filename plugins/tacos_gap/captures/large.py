@@ -26,8 +26,50 @@ NEARLY_ALL = 1.5
 GRID_PX = 16
 """Parts begin and end with the blocks of codecs, and with whole cells of mosaics."""
 
+FEWEST_CAPTURES = 16
+"""Captures that are searched over at least where there are so many, however many colours they have."""
+
 Part = tuple[slice, slice]
 """Rows and columns."""
+
+
+def searched_over(captures: Sequence[RealCapture]) -> list[RealCapture]:
+    """The captures that a search simulates: of many of a kind some, at gains, times and levels spread out.
+
+    All together they then hold `ENOUGH_SAMPLES`. What arithmetic tells takes a moment and is of all of them;
+    boards are simulated by their corners alone, and all stay.
+    """
+    pictures = [capture for capture in captures if capture.kind != "board"]
+    channels = max((capture.real_dn.shape[-1] for capture in pictures), default=1)
+    room = max(FEWEST_CAPTURES, ENOUGH_SAMPLES // (LEAST_PIXELS * channels))
+    by_kind: dict[str, list[RealCapture]] = {}
+    for capture in pictures:
+        by_kind.setdefault(capture.kind, []).append(capture)
+    kept: set[str] = set()
+    for place, of_kind in enumerate(sorted(by_kind.values(), key=len)):
+        share = max(
+            (room - len(kept)) // (len(by_kind) - place), 1
+        )  # what small kinds leave, large ones have
+        ordered = sorted(of_kind, key=_setting)
+        spread = np.linspace(0, len(ordered) - 1, min(share, len(ordered))).round().astype(int)
+        kept |= {ordered[k].id for k in spread}
+    return [capture for capture in captures if capture.kind == "board" or capture.id in kept]
+
+
+def _setting(capture: RealCapture) -> tuple[float, float, float]:
+    """Gain, exposure time and level, by which captures of a kind are ordered."""
+    context = capture.context
+    return context.gain_db, context.exposure_s, float(capture.real_dn[0, ::8, ::8].mean())
+
+
+def not_searched_over(captures: Sequence[RealCapture], searched: Sequence[RealCapture]) -> list[str]:
+    """In a sentence, of how many captures causes are searched for in some; empty where in all."""
+    if len(searched) == len(captures):
+        return []
+    return [
+        f"Causes are searched for in {len(searched)} of the {len(captures)} captures, which are spread over "
+        "their gains, exposure times and levels; what arithmetic tells is of all of them."
+    ]
 
 
 def enough_pixels(captures: Sequence[RealCapture]) -> int:

@@ -31,8 +31,9 @@ from tacos_gap.answer.diagnosis import diagnose
 from tacos_gap.answer.findings import Diagnosis, Parameter
 from tacos_gap.answer.transfer import Photographed, patch, patched
 from tacos_gap.answer.undiagnosed import NothingMeasured, undiagnosed_data
-from tacos_gap.captures import read_captures
+from tacos_gap.captures import RealCapture, read_captures
 from tacos_gap.captures.processing import traces_of_processing
+from tacos_gap.captures.targets.edge_tail import tails_of
 from tacos_gap.hypotheses.candidates import candidates
 from tacos_gap.in_use.diagnosis import is_recording
 from tacos_gap.inference.problem import placed
@@ -160,7 +161,8 @@ class Diagnose:
         scored = score_tasks(folder.captures, lambda capture: placed(causes, capture.id), tasks, seed)
         scores = {name: score.as_data() for name, score in task_gap(scored).items()}
         processed = traces_of_processing(folder.captures)
-        said = [*of_one_wall(diagnosis, folder.captures), *_of_processed_files(diagnosis, processed)]
+        rest = _named_rest(diagnosis, processed, folder.captures)
+        said = [*of_one_wall(diagnosis, folder.captures), *rest]
         limits = (*diagnosis.limitations, *said, *scored.left_out)
         diagnosis = replace(diagnosis, task=scores, limitations=limits)
         progress.step(", ".join(scores) or "no captures they could be scored on")
@@ -188,7 +190,7 @@ class Diagnose:
             considered=considered.effects,
         )
         write_page(out / "report.html", page(diagnosis, folder, run))
-        return {"diagnosis": data, "summary": summary(diagnosis, decision, shown, processed)}
+        return {"diagnosis": data, "summary": summary(diagnosis, decision, shown, rest)}
 
     def _question(self) -> Question | None:
         """The study to decide on."""
@@ -249,23 +251,26 @@ def _valued(name: str, parameter: Parameter) -> str:
     return f"{name} {parameter.value}{unit}" + (f" ({found.value:g} {found.unit})" if found else "")
 
 
-def _of_processed_files(diagnosis: Diagnosis, traces: Sequence[str]) -> list[str]:
-    """That files are processed, where something remains: makers do what no family of effects here fits."""
-    if not traces or diagnosis.verdict not in ("unknown", "partly_explained"):
+def _named_rest(diagnosis: Diagnosis, traces: Sequence[str], captures: Sequence[RealCapture]) -> list[str]:
+    """What the captures show of what remains, though no effect of the catalogue makes it, in sentences."""
+    if diagnosis.verdict not in ("unknown", "partly_explained"):
         return []
-    return [f"These are processed files; {'; '.join(traces)}. That is the likeliest cause of what remains."]
+    if traces:
+        done = "; ".join(traces)
+        return [f"These are processed files; {done}. That is the likeliest cause of what remains."]
+    return tails_of(captures)
 
 
 def summary(
     diagnosis: Diagnosis,
     decision: Mapping[str, Any] | None = None,
     shown_from: Mapping[str, str] | None = None,
-    processed: Sequence[str] = (),
+    rest: Sequence[str] = (),
 ) -> str:
     """What was found, in a few lines.
 
-    `shown_from`: what would have shown, by effect, for a diagnosis without a gap. `processed`: traces of a
-    camera's software in the files.
+    `shown_from`: what would have shown, by effect, for a diagnosis without a gap. `rest`: what remains, in
+    sentences.
     """
     said = {
         "no_gap": "No gap: the captures differ from the simulation by no more than its own noise.",
@@ -273,7 +278,7 @@ def summary(
         "partly_explained": "Partly explained: something outside the catalogue of effects remains.",
         "unknown": "Unknown: the cause lies outside the catalogue of effects.",
     }
-    lines = [said[diagnosis.verdict], *_of_processed_files(diagnosis, processed)]
+    lines = [said[diagnosis.verdict], *rest]
     for cause in diagnosis.causes:
         values = ", ".join(_valued(name, p) for name, p in cause.parameters.items())
         low, high = cause.closure_interval

@@ -15,12 +15,15 @@ from tacos_gap.captures.capture import Noise, RealCapture
 from tacos_gap.captures.large import (
     ENOUGH_PIXELS,
     ENOUGH_SAMPLES,
+    FEWEST_CAPTURES,
     GRID_PX,
     LEAST_PIXELS,
     enough_pixels,
     left_out,
     measured_part,
+    not_searched_over,
     part_of,
+    searched_over,
 )
 from tacos_gap.simulation.formation import simulate
 from tacos_plugins.effects.vignetting import Vignetting
@@ -112,6 +115,51 @@ def test_what_varies_with_a_capture_is_cut_with_it():
         assert np.array_equal(cut.depth_m, depth[part])
         assert np.array_equal(cut.known_velocity_px_s(""), velocity[part])
         assert cut.reference_row == 84.0
+
+
+def exposed(kind: str, count: int, channels: int = 1) -> list[RealCapture]:
+    """Captures of a kind at as many exposure times, the last first."""
+    values = np.full((1, 96, 128, channels), 120.0, np.float32)
+    return [
+        replace(
+            capture(96, 128, kind),
+            id=f"{kind}_{k}",
+            real_dn=values,
+            expected_dn=values,
+            context=ImageContext(exposure_s=1e-3 * k),
+        )
+        for k in range(count, 0, -1)
+    ]
+
+
+def test_a_search_over_many_captures_simulates_no_more_than_over_thirty():
+    many = [*exposed("dark", 50), *exposed("bracket", 40), *exposed("chart", 2), *exposed("board", 9)]
+    searched = searched_over(many)
+    kinds = [each.kind for each in searched]
+    assert len(searched) - 9 <= ENOUGH_SAMPLES // LEAST_PIXELS == 30
+    assert {kind: kinds.count(kind) for kind in set(kinds)} == {
+        "dark": 14,
+        "bracket": 14,
+        "chart": 2,
+        "board": 9,
+    }
+    times = [each.context.exposure_s for each in searched if each.kind == "dark"]
+    assert times == sorted(times, reverse=True), "the order of the folder, in which folds alternate, stays"
+    assert (min(times), max(times)) == (0.001, 0.050)
+    assert np.diff(sorted(times)).max() <= 0.0041
+    assert "39 of the 101 captures" in not_searched_over(many, searched)[0]
+
+
+def test_few_captures_are_all_searched_over_in_colour_too():
+    few = exposed("flat", FEWEST_CAPTURES, channels=3)
+    assert searched_over(few) == few
+    assert not_searched_over(few, few) == []
+
+
+def test_each_trial_of_a_large_folder_simulates_those_captures_alone():
+    evidence, said = gather(CaptureFolder(None, (*exposed("flat", 45),)), seed=0)
+    assert len(evidence) == 30
+    assert any("30 of the 45 captures" in text for text in said)
 
 
 def test_what_is_not_measured_is_said():
