@@ -21,6 +21,8 @@ _MOST_STOREYS = 6
 _STEEPEST = 0.7  # least upward part of a floor's normal: 45 degrees
 _BENEATH_M = 0.02  # rays go on this far below what they met
 _NEIGHBOURS = ((1, 0), (0, 1), (1, 1), (1, -1))
+_DECIMALS = 5
+"""Of heights and lengths in metres: equal ways stay equal wherever the file lies, whatever float32 rounds."""
 
 
 @dataclass(frozen=True)
@@ -131,7 +133,7 @@ def _standing_places(
         hits = occlusion.first_hits(origins, down)
         met = hits.triangle >= 0
         active, triangle = active[met], hits.triangle[met]
-        height = start[active] - hits.distance_m[met]
+        height = np.round(start[active] - hits.distance_m[met], _DECIMALS)
         corners = occlusion.vertices_m[occlusion.triangles[triangle]].astype(np.float64)
         normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         flat = np.abs(normal[:, 2]) >= _STEEPEST * np.maximum(np.linalg.norm(normal, axis=1), 1e-12)
@@ -161,7 +163,7 @@ def _steps(
     rows, columns = rows[free], columns[free]
     count = len(points_m)
     complete = np.bincount(rows, minlength=count) + np.bincount(columns, minlength=count) >= 8
-    length = np.linalg.norm(points_m[rows] - points_m[columns], axis=1)
+    length = np.round(np.linalg.norm(points_m[rows] - points_m[columns], axis=1), _DECIMALS)
     both = np.concatenate([rows, columns]), np.concatenate([columns, rows])
     return coo_array((np.tile(length, 2), both), shape=(count, count)).tocsr(), complete
 

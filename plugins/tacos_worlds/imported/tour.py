@@ -24,6 +24,7 @@ _SMOOTHING_M = 0.25
 _AREA_PER_STOP_M2 = 8.0
 _FEWEST_STOPS, _MOST_STOPS = 3, 16
 _REACH_M = 0.3
+_ROUNDING = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +139,7 @@ def _even(points_m: NDArray[np.float64], smoothing_m: float) -> NDArray[np.float
     length = np.linalg.norm(np.diff(points_m, axis=0), axis=1)
     points_m = points_m[np.concatenate([[True], length > 1e-9])]
     run = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points_m, axis=0), axis=1))])
-    at = np.linspace(0.0, run[-1], max(2, math.ceil(run[-1] / STEP_M) + 1))
+    at = np.linspace(0.0, run[-1], max(2, math.ceil(run[-1] / STEP_M - _ROUNDING) + 1))
     line = np.column_stack([np.interp(at, run, points_m[:, axis]) for axis in range(3)])
     smooth = gaussian_filter1d(line, smoothing_m / STEP_M, axis=0, mode="nearest")
     smooth[0], smooth[-1] = line[0], line[-1]

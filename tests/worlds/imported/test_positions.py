@@ -11,13 +11,16 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from tacos_worlds.imported.doubts import clear_height_m, doubts_of_height
+from tacos_worlds.imported.floor import Agent, find_floor, walkable
 from tacos_worlds.imported.formats.file_bytes import Unreadable
 from tacos_worlds.imported.formats.poses import doubt_of_time, read_poses, stamp_unit
 from tacos_worlds.imported.place import geometry
 from tacos_worlds.imported.reader import read_world
+from tacos_worlds.imported.tour import draw_tour
 from tacos_worlds.kit.models.patch import sound
 
 CORNERS = np.array([[x, y, z] for z in (0, 2.7) for y in (0, 5) for x in (0, 7.3)], float)
+AGENT = Agent(0.25, 1.8, 0.25)
 QUADS = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
 
 
@@ -50,6 +53,22 @@ def test_a_building_ten_thousand_kilometres_off_is_as_exact_as_one_at_the_origin
     assert not origin.any()
     far, _ = hits_in(room(folder / "far.obj", away), eye + away)
     np.testing.assert_allclose(far, near, atol=1e-3)
+
+
+@settings(max_examples=8, deadline=None)
+@given(offset=st.tuples(*[st.floats(-1e7, 1e7)] * 3), seed=st.integers(0, 9))
+def test_ways_through_a_building_are_the_same_wherever_it_lies(
+    tmp_path_factory: pytest.TempPathFactory, offset: tuple[float, float, float], seed: int
+) -> None:
+    """Ways of equal length are many on a grid: rounding of float32 must not choose among them."""
+    folder, away, ways = tmp_path_factory.mktemp("ways"), np.round(offset, 2), []
+    for name, moved in (("near", np.zeros(3)), ("far", away)):
+        file = room(folder / f"{name}.obj", moved)
+        read = read_world(file, up="z", metres_per_unit=1.0, leave_out=(), most_px=64)
+        occlusion, _ = geometry([sound(surface, read.turn, 0) for surface in read.model.surfaces])
+        floor = walkable(find_floor(occlusion, AGENT), AGENT, inside=None, start_m=None)
+        ways.append(draw_tour(np.random.default_rng(seed), floor) + read.origin_m - moved)
+    np.testing.assert_allclose(ways[1], ways[0], atol=1e-4)
 
 
 @pytest.mark.parametrize(
