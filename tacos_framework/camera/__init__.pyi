@@ -4,6 +4,7 @@ from .clipping import mean_exposed as mean_exposed
 from .colour import LINEAR_OF_SRGB_BYTE as LINEAR_OF_SRGB_BYTE
 from .colour import LUMINANCE_WEIGHTS as LUMINANCE_WEIGHTS
 from .colour import display_image as display_image
+from .colour import linear_from_srgb as linear_from_srgb
 from .colour import luminance as luminance
 from .colour import srgb_from_linear as srgb_from_linear
 from .exposure import TYPICAL_ROW_TIME_US as TYPICAL_ROW_TIME_US

@@ -35,7 +35,6 @@ METHODS = {"read_text", "read_bytes"}
 DOOR = ("tacos_framework/files/", "plugins/tacos_files/")
 ALLOWED = {
     "tacos_framework/store/": "files of a run, with digests in its database",
-    "plugins/tacos_worlds/kit/mesh_files/plain_meshes.py": "trimesh, given bytes that were checked",
     "plugins/tacos_gap/photographs/facts.py": "Pillow, given bytes of a regular file; samples stay undecoded",
     "plugins/tacos_plugins/tasks/learning/checkpoints.py": "torch, given bytes of a regular file",
     "plugins/tacos_plugins/effects/jpeg.py": "decodes what it has just encoded",

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tacos_framework import Fault
 
-WORLD = (".glb", ".gltf", ".obj", ".ply")
+WORLD = (".glb", ".gltf", ".obj", ".ply", ".stl")
 TABLE = (".csv", ".yaml", ".yml")
 PANORAMA = (".hdr", ".exr")
 _CONVERT = {
@@ -16,7 +16,6 @@ _CONVERT = {
     ".usd": "Import it into Blender and export it as glTF 2.0.",
     ".usdz": "Import it into Blender and export it as glTF 2.0.",
     ".dae": "Import it into Blender 4 and export it as glTF 2.0.",
-    ".stl": "STL holds no colours: export the model as glTF 2.0 or PLY.",
     ".png": "A panorama of high dynamic range is .hdr or .exr.",
     ".jpg": "A panorama of high dynamic range is .hdr or .exr.",
 }

@@ -46,7 +46,7 @@ def read_world(
     most_px: int,
 ) -> Read:
     """Read a file. Raises UserError with a fault for each thing that is wrong with it."""
-    from tacos_worlds.kit.mesh_files import content_faults, read_model  # late: loads trimesh
+    from tacos_worlds.kit.mesh_files import content_faults, read_model  # late: checks do without it
 
     model = read_model(file, most_px=most_px)
     rules = [Rule(pattern, "") for pattern in leave_out]

@@ -19,10 +19,11 @@ if TYPE_CHECKING:
 class ImportedScene:
     """A room, a building or a street from a file, and an agent that walks through it.
 
-    The file is a glTF 2.0 (``.glb``, ``.gltf``), OBJ or PLY mesh. It is lit by its own lights and glowing
-    surfaces, by a panorama (`sky`), or by lamps placed under its ceilings, and scaled to the scenario's
-    illuminance. What things are is read from a table (`labels`), from properties of nodes, or from their
-    names. The agent follows a recorded path, waypoints, or tours drawn over all of the floor it can reach.
+    The file is a glTF 2.0 (``.glb``, ``.gltf``), OBJ, PLY or STL mesh. It is lit by its own lights and
+    glowing surfaces, by a panorama (`sky`), or by lamps placed under its ceilings, and scaled to the
+    scenario's illuminance. What things are is read from a table (`labels`), from properties of nodes, or
+    from their names. The agent follows a recorded path, waypoints, or tours drawn over all of the floor it
+    can reach.
 
     Names of settings are those of `scene.indoor` where they mean the same, so that a recipe changes from one
     to the other by two keys. One generator state gives one trip, always; the world is that of the file in

@@ -133,7 +133,7 @@ class IndoorScene:
         self._images: Mapping[int, NDArray[np.uint8]] = {}
         self.remarks: tuple[str, ...] = ()
         if config.furniture_folder:
-            from tacos_worlds.indoor.user_models import load_user_models  # loads trimesh, slowly
+            from tacos_worlds.indoor.user_models import load_user_models
 
             models = load_user_models(config.furniture_folder)
             self._pieces, self._images = models.pieces, models.images

@@ -1,9 +1,11 @@
-"""Files of triangles (glTF, OBJ, PLY) from outside, read into :class:`tacos_worlds.kit.models.model.Model`.
+"""glTF, OBJ, PLY and STL files from outside, read into :class:`tacos_worlds.kit.models.model.Model`.
 
 ``read``          the door: a file to a model
 ``gltf``          glTF, by ``gltf_buffers``, ``gltf_skins`` and ``gltf_notes``
-``plain_meshes``  OBJ and PLY by trimesh, which ``plain`` checks before
-``mtl``           libraries of materials of OBJ files
+``obj``           OBJ, with libraries of materials by ``mtl`` and ``mtl_skins``
+``ply``, ``stl``  those
+``polygons``      polygons as triangles
+``precision``     what single precision has already rounded
 ``references``    files and pictures that a file names
 """
 

@@ -19,7 +19,6 @@ class Damaged(ValueError):
 UNREADABLE = (
     ValueError,
     LookupError,
-    NameError,  # UnboundLocalError, of headers that trimesh did not expect
     TypeError,
     AttributeError,
     AssertionError,

@@ -1,4 +1,4 @@
-"""Libraries of materials of OBJ files: what trimesh leaves out of them, or takes for names of files.
+"""Libraries of materials of OBJ files.
 
 References
 ----------
@@ -8,7 +8,7 @@ Ramey, Rose and Tyerman 1995, "MTL material format (Lightwave, OBJ)", version 4.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 _VALUES = {
@@ -21,7 +21,6 @@ _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 _OPTION = re.compile(r"-[a-z]+", re.IGNORECASE)
 _PICTURES = re.compile(r"(map_\w+|bump|norm|disp|decal|refl)", re.IGNORECASE)
 _EFFECTS = {
-    "map_d": "holes of fences and leaves are drawn solid",
     "map_ka": "it has no effect: light is computed",
     "map_pr": "Pr holds all over a surface",
     "map_pm": "Pm holds all over a surface",
@@ -47,27 +46,55 @@ _READ = {"", "#", "d", "illum", "ka", "kd", "ke", "ks", "newmtl", "ni", "ns", "p
 
 @dataclass(frozen=True)
 class MtlMaterial:
-    """What a material says besides its colours and its picture."""
+    """What a library says of a material.
 
-    opacity: float = 1.0  # 0 for what is not there [1]
+    Parameters
+    ----------
+    diffuse
+        Kd, linear; None where it says none [1].
+    picture, mask_picture
+        Names of the pictures of map_Kd and map_d; empty where there are none.
+    shininess
+        Ns, the exponent of its highlights [1].
+    opacity
+        0 for what is not there [1].
+    scale, offset
+        Of texture coordinates: ``uv * scale + offset`` [1, tiles].
+    clamped
+        Whether the texture ends at its edges.
+    emission
+        Light sent out, in the file's unit.
+    roughness, metallic
+        As Pr and Pm give them, which exporters of physically based materials write [1].
+    """
+
+    diffuse: tuple[float, ...] | None = None
+    picture: str = ""
+    mask_picture: str = ""
+    shininess: float = 1.0
+    opacity: float = 1.0
     scale: tuple[float, float] = (1.0, 1.0)
-    """With offset: of texture coordinates: ``uv * scale + offset`` [1, tiles]."""
     offset: tuple[float, float] = (0.0, 0.0)
-    clamped: bool = False  # true if the texture ends at its edges
-    emission: tuple[float, float, float] = (0.0, 0.0, 0.0)  # light sent out, in the file's unit
-    masked: bool = False  # true if the alpha of its picture says where it is
+    clamped: bool = False
+    emission: tuple[float, float, float] = (0.0, 0.0, 0.0)
     roughness: float | None = None
-    """With metallic: as Pr and Pm give them, which exporters of physically based materials write [1]."""
     metallic: float = 0.0
 
 
 @dataclass(frozen=True)
 class Library:
-    """A library of materials."""
+    """A library of materials.
 
-    plain: str  # the same text without options before names of pictures
+    Parameters
+    ----------
+    materials
+        By name.
+    notes
+        What is not carried out, each with its effect.
+    """
+
     materials: Mapping[str, MtlMaterial]
-    notes: tuple[str, ...]  # what is not carried out, each with its effect
+    notes: tuple[str, ...]
 
 
 def read_library(text: str) -> Library:
@@ -75,46 +102,42 @@ def read_library(text: str) -> Library:
 
     Examples
     --------
-    >>> library = read_library("newmtl Floor\\nd 0.2\\nmap_Kd -s 2 3 1 floor tile.png\\n")
-    >>> library.plain.splitlines()[-1], library.materials["Floor"].scale
-    ('map_Kd floor tile.png', (2.0, 3.0))
+    >>> floor = read_library("newmtl Floor\\nd 0.2\\nmap_Kd -s 2 3 1 floor tile.png\\n").materials["Floor"]
+    >>> floor.picture, floor.scale
+    ('floor tile.png', (2.0, 3.0))
     """
-    lines: list[str] = []
     materials: dict[str, MtlMaterial] = {}
-    pictures: dict[tuple[str, str], str] = {}
     notes: dict[str, None] = {}
     name = ""
     for line in text.splitlines():
-        word, _, rest = line.strip().partition(" ")
-        key = word.lower()
+        word, _, rest = line.strip().replace("\t", " ").partition(" ")
+        key, rest = word.lower(), rest.strip()
         if key == "newmtl":
-            name = rest.strip()
+            name = rest
             materials[name] = MtlMaterial()
+        elif name not in materials:
+            continue
         elif _PICTURES.fullmatch(word):
             options, picture = split_options(rest)
-            line, pictures[name, key] = f"{word} {picture}", picture
-            if key == "map_kd" and name in materials:
-                materials[name] = _moved(materials[name], options)
+            if key == "map_kd":
+                materials[name] = replace(_moved(materials[name], options), picture=picture)
                 known = {**dict.fromkeys(options.keys() - _VALUES, _NO_EFFECT), **_OPTION_EFFECTS}
-                unread = (f"{each}: {known[each]}" for each in options if each in known)
-                notes |= dict.fromkeys(unread)
-        elif name in materials:
+                notes |= dict.fromkeys(f"{each}: {known[each]}" for each in options if each in known)
+            elif key == "map_d":
+                materials[name] = replace(materials[name], mask_picture=picture)
+            else:
+                notes[f"{key} is not carried out: {_EFFECTS.get(key, _NO_EFFECT)}"] = None
+        else:
             white = key == "tf" and set(_numbers(rest.split())) == {1.0}
             if key not in _READ and not key.startswith("#") and not white:
                 notes[f"{word} is not carried out: {_NO_EFFECT}"] = None
             elif rest.split()[:1] in (["spectral"], ["xyz"]):
                 notes[f"{word} {rest.split()[0]} is not carried out: give red, green and blue"] = None
             materials[name] = _with(materials[name], key, _numbers(rest.split()))
-        lines.append(line)
-    for (owner, key), picture in pictures.items():
-        if key == "map_d" and picture == pictures.get((owner, "map_kd")) and owner in materials:
-            materials[owner] = replace(materials[owner], masked=True)
-        elif key != "map_kd":
-            notes[f"{key} is not carried out: {_EFFECTS.get(key, _NO_EFFECT)}"] = None
     if materials and all(each.opacity < 0.5 for each in materials.values()):
         notes["d or Tr says that all is clear, which is taken as all opaque"] = None
         materials = {key: replace(each, opacity=1.0) for key, each in materials.items()}
-    return Library("\n".join(lines) + "\n", materials, tuple(notes))
+    return Library(materials, tuple(notes))
 
 
 def split_options(rest: str) -> tuple[dict[str, list[str]], str]:
@@ -130,18 +153,8 @@ def split_options(rest: str) -> tuple[dict[str, list[str]], str]:
                 end += 1
         options[option] = words[at + 1 : end]
         at = end
-    if not options:
-        return options, rest.strip()
-    return options, rest.strip().split(maxsplit=at)[-1] if at < len(words) else ""
-
-
-def statement_notes(statements: Iterable[str]) -> Iterator[str]:
-    """What of the statements of an OBJ file is left out."""
-    used = set(statements)
-    if used & {"l", "p"}:
-        yield "lines and points (l, p) are left out: only faces are drawn"
-    if used & {"curv", "curv2", "surf", "cstype"}:
-        yield "free-form curves and surfaces are left out: export them as polygons"
+    name = rest.strip().split(maxsplit=at)[-1] if at < len(words) else ""
+    return options, name.strip('"')
 
 
 def _moved(material: MtlMaterial, options: Mapping[str, list[str]]) -> MtlMaterial:
@@ -154,6 +167,10 @@ def _moved(material: MtlMaterial, options: Mapping[str, list[str]]) -> MtlMateri
 
 
 def _with(material: MtlMaterial, key: str, values: list[float]) -> MtlMaterial:
+    if key == "kd" and values:
+        return replace(material, diffuse=tuple((values * 3)[:3]))
+    if key == "ns" and values:
+        return replace(material, shininess=max(values[0], 0.0))
     if key == "d" and values:
         return replace(material, opacity=values[-1])
     if key == "tr" and values:

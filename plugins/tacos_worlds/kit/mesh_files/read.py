@@ -8,11 +8,14 @@ from tacos_framework import Fault, UserError
 from tacos_framework.files import read_bytes
 from tacos_worlds.kit.mesh_files.damage import UNREADABLE, Damaged
 from tacos_worlds.kit.mesh_files.gltf import read_gltf
-from tacos_worlds.kit.mesh_files.plain_meshes import read_plain_mesh
+from tacos_worlds.kit.mesh_files.obj import read_obj
+from tacos_worlds.kit.mesh_files.ply import read_ply
 from tacos_worlds.kit.mesh_files.references import References
+from tacos_worlds.kit.mesh_files.stl import read_stl
 from tacos_worlds.kit.models.model import Model
 
-SUFFIXES = (".glb", ".gltf", ".obj", ".ply")
+_READERS = {".glb": read_gltf, ".gltf": read_gltf, ".obj": read_obj, ".ply": read_ply, ".stl": read_stl}
+SUFFIXES = tuple(_READERS)
 """What the names of files of triangles end in."""
 
 
@@ -44,9 +47,8 @@ def read_model(
         raise UserError(Fault(where, f"{path.name} is no file of triangles", f"one of {', '.join(SUFFIXES)}"))
     content = read_bytes(path, "mesh_mb", where=where, within=folder)
     references = References(path, folder, where, len(content))
-    read = read_gltf if kind in (".glb", ".gltf") else read_plain_mesh
     try:
-        model = read(content, references, most_px, most_triangles)
+        model = _READERS[kind](content, references, most_px, most_triangles)
     except UNREADABLE as error:  # whatever trips over what no exporter writes
         references.refuse_faults()
         said = f"{error or type(error).__name__}"

@@ -4,26 +4,21 @@ from __future__ import annotations
 
 import binascii
 from base64 import b64decode
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
-from urllib.parse import unquote, urlsplit
+from pathlib import Path, PurePosixPath
+from urllib.parse import unquote, unquote_to_bytes, urlsplit
 
 from PIL.Image import Image
-from trimesh.resolvers import Resolver
 
 from tacos_files.images import checked_header, decode_picture
 from tacos_framework import Fault, UserError
 from tacos_framework.files import MB, limits, read_bytes, too_large
-from tacos_worlds.kit.mesh_files.mtl import Library, MtlMaterial
 
-_DATA = "base64,"
 _TEXTURES_MB = 800
 """Decoded samples of all pictures of one file together [MB]: 50 of 2048 x 2048 pixels."""
 
 
-class References(Resolver):
-    """Gives trimesh the files that a file names, and keeps what is wrong with them: trimesh drops it.
+class References:
+    """Gives the files that a file names, and keeps what is wrong with them and what is to be said.
 
     Parameters
     ----------
@@ -43,29 +38,22 @@ class References(Resolver):
         self.faults: list[Fault] = []
         self._folder, self._within = path.parent, within
         self._bytes, self._decoded_bytes = size_bytes, 0
-        self._read: dict[str, bytes] = {}
-        self.materials: Mapping[str, MtlMaterial] = {}
         self.notes: list[str] = []
 
-    def use_library(self, name: str, library: Library) -> None:
-        """Keep what a library of materials says, and give its plain text under that name."""
-        self._read[name] = library.plain.encode()
-        self.materials = library.materials
-        self.notes += library.notes
-
-    def get(self, key: str) -> bytes:
-        """The bytes of a file by its name, which is a picture unless it was read before.
-
-        Raises UserError when it is none that may be read; the faults are kept as well.
-        """
-        if key not in self._read:
-            self.picture(self.bytes_of(key), key)
-        return self._read[key]
+    def has(self, name: str) -> bool:
+        """Whether a file of that name is there."""
+        try:
+            return self._found(name) is not None
+        except (OSError, ValueError):  # too long, or with a NUL
+            return False
 
     def bytes_of(self, name: str, *, quoted: bool = False) -> bytes:
-        """The bytes that a name or a data URI stands for; those of a name are kept.
+        """The bytes that a name or a data URI stands for.
 
-        `quoted`: true if the name is written as in a URI.
+        Parameters
+        ----------
+        quoted
+            Whether the name is written as in a URI.
         """
         try:
             content = self._data(name) if name.startswith("data:") else self._file(name, quoted)
@@ -75,7 +63,6 @@ class References(Resolver):
         except UserError as error:
             self.faults.extend(error.faults)
             raise
-        self._read[name] = content
         return content
 
     def picture(self, content: bytes, name: str) -> Image:
@@ -98,44 +85,49 @@ class References(Resolver):
             raise UserError(dict.fromkeys(self.faults))
 
     def _data(self, uri: str) -> bytes:
-        start = uri.find(_DATA)
+        head, _, data = uri.partition(",")
         try:
-            if start < 0:
-                raise ValueError("it is not base64")
-            return b64decode(uri[start + len(_DATA) :], validate=True)
+            plain = unquote_to_bytes(data)
+            return b64decode(b"".join(plain.split()), validate=True) if head.endswith(";base64") else plain
         except (binascii.Error, ValueError) as error:
             raise UserError(Fault(self.where, f"holds data that cannot be read: {error}")) from error
 
     def _file(self, name: str, quoted: bool) -> bytes:
-        file = unquote(name) if quoted else name
-        if quoted and (urlsplit(name).scheme or urlsplit(name).netloc):
+        file = unquote(name) if quoted and not self.has(name) else name
+        parts = urlsplit(name)
+        if quoted and (len(parts.scheme) > 1 or parts.netloc):  # one letter is a drive of Windows
             what = f"refers to {name[:80]!r}, on another machine"
             raise UserError(Fault(self.where, what, "files beside it", "Copy that file beside the model."))
-        target = self._folder / file.replace("\\", "/")
-        remedy = "Copy that file beside the model."
         try:
-            inside = target.resolve().is_relative_to(self._within.resolve())
-            there = target.exists()
+            target = self._found(file)
+            asked = self._folder / file.replace("\\", "/")
+            inside = (target or asked).resolve().is_relative_to(self._within.resolve())
         except (OSError, ValueError) as error:  # a name too long, or with a NUL
             raise UserError(
                 Fault(self.where, f"refers to {file[:80]!r}, which is no name: {error}")
             ) from error
+        remedy = "Copy that file beside the model."
         if not inside:
             what = f"refers to {file!r}, outside of {self._within}"
             raise UserError(Fault(self.where, what, "files in that folder", remedy))
-        if not there:
+        if target is None:
             raise UserError(Fault(self.where, f"refers to {file!r}, which does not exist", "", remedy))
+        if target.name.casefold() != file.casefold() and target.parent != asked.parent:
+            self.notes.append(f"refers to {file!r}: {target.name} beside it is read")
         return read_bytes(target, "mesh_mb", where=self.where, within=self._within)
 
-    # What trimesh's interface asks for besides; nothing is ever written, listed or renamed.
+    def _found(self, file: str) -> Path | None:
+        """The file of a name: as it stands, in other capitals, or beside the model.
 
-    def write(self, name: str, data: Any) -> None:
-        """Refused: files are read here."""
-        raise NotImplementedError
-
-    def namespaced(self, namespace: str) -> References:
-        """Refused: names start from the folder of the file."""
-        raise NotImplementedError
-
-    def keys(self) -> list[str]:
-        return list(self._read)
+        Models come from machines that do not tell capitals apart, or with paths that hold there alone.
+        """
+        named = PurePosixPath(file.replace("\\", "/"))
+        place = self._folder / named
+        if place.exists():
+            return place
+        for folder in dict.fromkeys((place.parent, self._folder)):
+            if folder.is_dir() and folder.resolve().is_relative_to(self._within.resolve()):
+                for each in sorted(folder.iterdir()):
+                    if each.name.casefold() == named.name.casefold():
+                        return each
+        return None
