@@ -20,10 +20,7 @@ def content_key(*parts: Any) -> str:
 
     Takes JSON values, tuples, numpy arrays and numbers, and mappings of them, nested.
 
-    Raises
-    ------
-    TypeError
-        For anything whose content is not plain data, rather than keying it by identity.
+    Raises `TypeError` for anything whose content is not plain data, rather than keying it by identity.
     """
     digest = hashlib.blake2b(digest_size=16)
     _feed(digest, parts)

@@ -35,23 +35,6 @@ _TARGET = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
 class Component:
     """A component a plugin offers, described without importing its code.
 
-    Parameters
-    ----------
-    kind
-        One of :data:`KINDS`.
-    name
-        Lower-case words joined by hyphens; recipes write ``kind.name``.
-    target
-        ``"package.module:Class"``, imported on first use.
-    summary
-        One sentence for ``tacos plugins``.
-    requires
-        Import names of optional packages the class needs, each as ``"module"`` or
-        ``"module=package-to-install"``.
-    default_for
-        What is not named it stands for: ``"executor"`` where a recipe names none, ``"workers"`` for
-        ``--workers N``.
-
     Examples
     --------
     >>> Component("sensor", "affine-noise", "my_plugin.noise:AffineNoise", summary="Noise.").use
@@ -59,11 +42,21 @@ class Component:
     """
 
     kind: str
+    """One of :data:`KINDS`."""
     name: str
+    """Lower-case words joined by hyphens; recipes write ``kind.name``."""
     target: str
+    """``"package.module:Class"``, imported on first use."""
     summary: str
+    """One sentence for ``tacos plugins``."""
     requires: tuple[str, ...] = ()
+    """Import names of optional packages the class needs, each as ``"module"`` or
+    ``"module=package-to-install"``.
+    """
     default_for: tuple[str, ...] = ()
+    """What is not named it stands for: ``"executor"`` where a recipe names none, ``"workers"`` for
+    ``--workers N``.
+    """
     contract: int = CONTRACT_VERSION
 
     def __post_init__(self) -> None:
@@ -97,24 +90,16 @@ class Component:
 
 @dataclass(frozen=True)
 class Command:
-    """A command of ``tacos`` that a plugin offers.
-
-    Parameters
-    ----------
-    name
-        What the user types after ``tacos``.
-    help
-        One sentence for ``tacos --help``.
-    add_arguments
-        Adds its arguments, and further commands, to its parser.
-    run
-        Does it; returns the exit status. A `UserError` it raises is printed, with status 2.
-    """
+    """A command of ``tacos`` that a plugin offers."""
 
     name: str
+    """What the user types after ``tacos``."""
     help: str
+    """One sentence for ``tacos --help``."""
     add_arguments: Callable[[ArgumentParser], None]
+    """Adds its arguments, and further commands, to its parser."""
     run: Callable[[Namespace], int]
+    """Does it; returns the exit status. A `UserError` it raises is printed, with status 2."""
 
 
 @dataclass(frozen=True)

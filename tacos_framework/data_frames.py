@@ -31,10 +31,7 @@ class Tables(Generic[Result]):
     def rows(self, result: Result, table: str) -> list[Row]:
         """A table as plain values.
 
-        Raises
-        ------
-        UserError
-            When there is no such table.
+        Raises `UserError` when there is no such table.
         """
         if table not in self.rows_of:
             remedy = did_you_mean(table, self.rows_of)
@@ -44,10 +41,7 @@ class Tables(Generic[Result]):
     def frame(self, result: Result, table: str) -> pandas.DataFrame:
         """A table as a data frame.
 
-        Raises
-        ------
-        UserError
-            When there is no such table, or pandas is not installed (the extra ``frames``).
+        Raises `UserError` when there is no such table, or pandas is not installed (the extra ``frames``).
         """
         rows = self.rows(result, table)
         try:

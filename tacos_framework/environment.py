@@ -16,19 +16,10 @@ DEVICE_VARIABLE = "TACOS_DEVICE"
 
 @dataclass(frozen=True)
 class EnvironmentFinding:
-    """One thing ``tacos doctor`` reports.
-
-    Parameters
-    ----------
-    name
-        What was looked at, e.g. ``OpenGL``.
-    ok
-        Whether it is as it should be.
-    remedy
-        What to do if it is not.
-    """
+    """One thing ``tacos doctor`` reports."""
 
     name: str
+    """What was looked at, e.g. ``OpenGL``."""
     value: str
     ok: bool = True
     remedy: str = ""
@@ -36,17 +27,10 @@ class EnvironmentFinding:
 
 @dataclass(frozen=True)
 class Gpu:
-    """A GPU of this machine.
-
-    Parameters
-    ----------
-    number
-        What ``--device`` calls it.
-    name
-        What its maker calls it.
-    """
+    """A GPU of this machine."""
 
     number: int
+    """What ``--device`` calls it."""
     name: str
 
 

@@ -25,24 +25,16 @@ def printable(text: str) -> str:
 
 @dataclass(frozen=True)
 class Fault:
-    """One thing that is wrong with what the user gave.
-
-    Parameters
-    ----------
-    where
-        File, line and column (``recipe.yaml:12:3``), or the name of what is at fault.
-    what
-        What was found there, with its value.
-    expected
-        What would have been right, or ``""`` where `what` says it already.
-    remedy
-        What to do about it, as an imperative sentence, or ``""``.
-    """
+    """One thing that is wrong with what the user gave."""
 
     where: str
+    """File, line and column (``recipe.yaml:12:3``), or the name of what is at fault."""
     what: str
+    """What was found there, with its value."""
     expected: str = ""
+    """What would have been right, or ``""`` where `what` says it already."""
     remedy: str = ""
+    """What to do about it, as an imperative sentence, or ``""``."""
 
     def __str__(self) -> str:
         lines = [f"{self.where}: {self.what}"]
@@ -87,14 +79,7 @@ def did_you_mean(
 ) -> str:
     """The remedy for an unknown name: those that may be meant, or the names that exist.
 
-    Parameters
-    ----------
-    given
-        The name that is not known.
-    known
-        The names that are.
-    also_called
-        What others call some of them, in lower case; see `tacos_framework.settings.also_called`.
+    `also_called`: what others call some of them, in lower case; see `tacos_framework.settings.also_called`.
     """
     from tacos_framework.suggestions import suggestions
 

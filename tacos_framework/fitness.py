@@ -14,21 +14,14 @@ from tacos_framework.errors import CandidateFailed
 
 @dataclass(frozen=True)
 class FitnessTerm:
-    """One term of the fitness.
-
-    Parameters
-    ----------
-    score
-        ``node.score``, as in ``features.inliers``.
-    weight
-        Its weight; negative for a score to keep small.
-    margin
-        Difference of the score that does not matter, in its unit, 0 or more.
-    """
+    """One term of the fitness."""
 
     score: str
+    """``node.score``, as in ``features.inliers``."""
     weight: float
+    """Its weight; negative for a score to keep small."""
     margin: float = 0.0
+    """Difference of the score that does not matter, in its unit, 0 or more."""
 
     def __post_init__(self) -> None:
         if not math.isfinite(self.weight):
@@ -41,15 +34,6 @@ class FitnessTerm:
 class Fitness:
     """Weighted sum of scores, maximised (paper, Sec. 4.3, "Fitness Function").
 
-    Parameters
-    ----------
-    terms
-        The terms, each of another score.
-    scenarios
-        Name and weight of each scenario, where there are several.
-    over
-        Whether the weighted mean of the scenarios counts, or the worst of them.
-
     Examples
     --------
     >>> fitness = Fitness((FitnessTerm("features.inliers", 0.0025), FitnessTerm("obstacle.seen_ratio", 1.0)))
@@ -59,7 +43,9 @@ class Fitness:
 
     terms: tuple[FitnessTerm, ...]
     scenarios: tuple[tuple[str, float], ...] = ()
+    """Name and weight of each scenario, where there are several."""
     over: Literal["mean", "worst"] = "mean"
+    """Whether the weighted mean of the scenarios counts, or the worst of them."""
 
     def __post_init__(self) -> None:
         names = [term.score for term in self.terms]
@@ -71,12 +57,8 @@ class Fitness:
     def value(self, scores: Scores) -> float:
         """The fitness of these scores.
 
-        Raises
-        ------
-        CandidateFailed
-            When a score is missing.
-        ValueError
-            When a score is not a finite number.
+        Raises `CandidateFailed` when a score is missing. Raises `ValueError` when a score is not a finite
+        number.
         """
         return math.fsum(self.contributions(scores).values())
 
@@ -93,15 +75,9 @@ class Fitness:
     def weights(self, by_scenario: Mapping[str, Scores]) -> dict[str, float]:
         """Weight of each scenario in the fitness: weights that sum to 1, or 1 for the worst scenario.
 
-        Parameters
-        ----------
-        by_scenario
-            Scores of each scenario, all that the fitness takes among them.
+        `by_scenario`: scores of each scenario, all that the fitness takes among them.
 
-        Raises
-        ------
-        CandidateFailed
-            When a score is missing in a scenario.
+        Raises `CandidateFailed` when a score is missing in a scenario.
         """
         values = {}
         for name, scores in by_scenario.items():
@@ -141,10 +117,7 @@ def mean_scores(episodes: Iterable[Scores]) -> dict[str, float]:
 
     An episode leaves a score out where it has no meaning (no obstacle on the path); it does not count then.
 
-    Raises
-    ------
-    ValueError
-        When a score is not a finite number: tasks leave out what they cannot tell.
+    Raises `ValueError` when a score is not a finite number: tasks leave out what they cannot tell.
     """
     columns: dict[str, list[float]] = {}
     for scores in episodes:

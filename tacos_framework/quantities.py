@@ -39,48 +39,32 @@ def quantity(
 
 @dataclass(frozen=True)
 class Breach:
-    """A constraint that a candidate breaks.
-
-    Parameters
-    ----------
-    amount
-        By how much it is broken, above 0, in the unit of the quantity; 1 where that is no number.
-    sentence
-        The same for people.
-    known
-        False where it is broken as nobody states the quantity.
-    """
+    """A constraint that a candidate breaks."""
 
     quantity: str
     amount: float
+    """By how much it is broken, above 0, in the unit of the quantity; 1 where that is no number."""
     sentence: str
+    """The same for people."""
     known: bool = True
+    """False where it is broken as nobody states the quantity."""
 
 
 @dataclass(frozen=True)
 class Constraint:
-    """A bound on a quantity that candidates have to keep.
-
-    Parameters
-    ----------
-    quantity
-        Its name, as :func:`quantity` takes it.
-    min, max
-        Smallest and largest allowed value of a number.
-    any_of
-        Allowed words. A text that lists several (``"C, CS"``) is each of them.
-    unknown
-        Whether a candidate whose quantity nobody states is allowed.
-    because
-        Why the constraint is there, where no recipe says it.
-    """
+    """A bound on a quantity that candidates have to keep."""
 
     quantity: str
+    """Its name, as :func:`quantity` takes it."""
     min: float | None = None
     max: float | None = None
+    """Smallest and largest allowed value of a number."""
     any_of: tuple[str, ...] = ()
+    """Allowed words. A text that lists several (``"C, CS"``) is each of them."""
     unknown: Literal["allow", "refuse"] = "allow"
+    """Whether a candidate whose quantity nobody states is allowed."""
     because: str = ""
+    """Why the constraint is there, where no recipe says it."""
 
     def __post_init__(self) -> None:
         if self.min is None and self.max is None and not self.any_of:
@@ -91,10 +75,7 @@ class Constraint:
     def breach(self, value: Quantity, part: str = "") -> Breach | None:
         """The way in which a value breaks the constraint; None if it keeps it. NaN breaks every bound.
 
-        Parameters
-        ----------
-        part
-            Name of the part whose value it is, for the sentence.
+        `part`: name of the part whose value it is, for the sentence.
         """
         name = f"{self.quantity} of {part}" if part else self.quantity
         why = f" ({self.because})" if self.because else ""
@@ -121,16 +102,10 @@ def _finite(amount: float) -> float:
 
 @dataclass(frozen=True)
 class Objective:
-    """One of several aims that a front trades off against each other.
-
-    Parameters
-    ----------
-    name
-        The quantity, as :func:`quantity` takes it; ``fitness`` for the weighted sum of scores.
-    aim
-        Whether much or little of it is wanted.
-    """
+    """One of several aims that a front trades off against each other."""
 
     name: str
+    """The quantity, as :func:`quantity` takes it; ``fitness`` for the weighted sum of scores."""
     unit: str
     aim: Literal["max", "min"]
+    """Whether much or little of it is wanted."""

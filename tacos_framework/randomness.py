@@ -15,13 +15,8 @@ def generator(seed: int, *names: str | int) -> np.random.Generator:
     The same seed and names give the same stream in every run, process and platform, whatever
     ``PYTHONHASHSEED`` says; streams of different names are independent.
 
-    Parameters
-    ----------
-    seed
-        The study's seed, 0 or above.
-    names
-        What the numbers are for, from the general to the particular. The word ``"3"`` and the number 3
-        are different names.
+    `seed`: the study's seed, 0 or above. `names`: what the numbers are for, from the general to the
+    particular. The word ``"3"`` and the number 3 are different names.
 
     Notes
     -----

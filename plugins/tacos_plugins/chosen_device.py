@@ -13,10 +13,7 @@ from tacos_framework import DEVICE_VARIABLE, Fault, Gpu, UserError
 def chosen_device() -> int | Literal["cpu"] | None:
     """The number of a GPU as CUDA counts them, ``cpu``, or None where nothing is chosen.
 
-    Raises
-    ------
-    UserError
-        When the environment variable ``TACOS_DEVICE`` says something else.
+    Raises `UserError` when the environment variable ``TACOS_DEVICE`` says something else.
     """
     given = os.environ.get(DEVICE_VARIABLE, "")
     if given in ("", "auto"):

@@ -84,15 +84,9 @@ def other_sides(corners_m: NDArray[np.floating]) -> NDArray[np.int64]:
     A ray, or a depth buffer, cannot tell such two apart: which is seen has to follow from the side one looks
     from.
 
-    Parameters
-    ----------
-    corners_m
-        (T, 3, 3) corners of triangles [m].
+    `corners_m`: (T, 3, 3) corners of triangles [m].
 
-    Returns
-    -------
-    NDArray
-        (T,) int64 indices of triangles.
+    Returns: (T,) int64 indices of triangles.
     """
     count = len(corners_m)
     if not count:

@@ -15,18 +15,12 @@ _MOST_SATURATED, _MOST_DARK = 0.05, 0.5
 
 
 class Exposed(NamedTuple):
-    """Shares of the pixels of frames.
-
-    Parameters
-    ----------
-    saturated
-        With a channel at full scale [1].
-    dark
-        Whose channels all lie within 2 % of full scale above the black level [1].
-    """
+    """Shares of the pixels of frames."""
 
     saturated: float
+    """With a channel at full scale [1]."""
     dark: float
+    """Whose channels all lie within 2 % of full scale above the black level [1]."""
 
     @property
     def doubt(self) -> str:
@@ -48,12 +42,7 @@ class Exposed(NamedTuple):
 def exposed(images_dn: NDArray[np.unsignedinteger], black_level_dn: float, white_level_dn: float) -> Exposed:
     """Shares of saturated and of nearly black pixels.
 
-    Parameters
-    ----------
-    images_dn
-        (..., C) [DN].
-    black_level_dn, white_level_dn
-        Pedestal and full scale [DN].
+    `images_dn`: (..., C) [DN]. `black_level_dn`, `white_level_dn`: pedestal and full scale [DN].
 
     Examples
     --------

@@ -12,15 +12,9 @@ LUMINANCE_WEIGHTS = (0.2126, 0.7152, 0.0722)
 def luminance(rgb: ArrayLike) -> NDArray[np.float64]:
     """Luminance of linear sRGB.
 
-    Parameters
-    ----------
-    rgb
-        (..., 3) linear light, white has equal channels [any].
+    `rgb`: (..., 3) linear light, white has equal channels [any].
 
-    Returns
-    -------
-    NDArray
-        (...), in the unit of the channels.
+    Returns: (...), in the unit of the channels.
 
     Examples
     --------
@@ -33,15 +27,9 @@ def luminance(rgb: ArrayLike) -> NDArray[np.float64]:
 def srgb_from_linear(linear: ArrayLike) -> NDArray[np.float64]:
     """Encode linear light for a display.
 
-    Parameters
-    ----------
-    linear
-        Light, 1 is white; clipped to 0..1 [1].
+    `linear`: light, 1 is white; clipped to 0..1 [1].
 
-    Returns
-    -------
-    NDArray
-        sRGB code values, 0..1; same shape [1].
+    Returns: sRGB code values, 0..1; same shape [1].
 
     References
     ----------
@@ -59,15 +47,9 @@ def srgb_from_linear(linear: ArrayLike) -> NDArray[np.float64]:
 def linear_from_srgb(encoded: ArrayLike) -> NDArray[np.float64]:
     """Linear light of sRGB code values; undoes :func:`srgb_from_linear`.
 
-    Parameters
-    ----------
-    encoded
-        sRGB code values, 0..1 [1].
+    `encoded`: sRGB code values, 0..1 [1].
 
-    Returns
-    -------
-    NDArray
-        Light, 1 is white; same shape [1].
+    Returns: light, 1 is white; same shape [1].
 
     References
     ----------

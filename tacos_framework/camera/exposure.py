@@ -27,17 +27,9 @@ def exposure_per_luminance(time_s: float, f_number: float) -> float:
     E = pi L / (4 N^2) [lux], and for a time t the exposure is H = E t. Fall-off towards the corners and
     losses in the glass are effects, not part of this.
 
-    Parameters
-    ----------
-    time_s
-        Exposure time [s].
-    f_number
-        Focal length over aperture diameter [1].
+    `time_s`: exposure time [s]. `f_number`: focal length over aperture diameter [1].
 
-    Returns
-    -------
-    float
-        H / L [lux s / (cd/m2)].
+    Returns: H / L [lux s / (cd/m2)].
 
     References
     ----------

@@ -63,17 +63,10 @@ def world_from_camera(
 ) -> NDArray[np.float64]:
     """Camera poses in the world.
 
-    Parameters
-    ----------
-    world_from_agent
-        (..., 4, 4) poses of the agent [m].
-    agent_from_camera
-        (4, 4) pose of the camera on the agent [m].
+    `world_from_agent`: (..., 4, 4) poses of the agent [m]. `agent_from_camera`: (4, 4) pose of the camera on
+    the agent [m].
 
-    Returns
-    -------
-    NDArray
-        (..., 4, 4) float64 [m].
+    Returns: (..., 4, 4) float64 [m].
 
     Examples
     --------
@@ -107,12 +100,7 @@ def project(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Where points of the world fall in the image of a camera.
 
-    Parameters
-    ----------
-    points_m
-        (..., 3) points in the world [m].
-    world_from_camera
-        (4, 4) its pose [m].
+    `points_m`: (..., 3) points in the world [m]. `world_from_camera`: (4, 4) its pose [m].
 
     Returns
     -------
@@ -147,10 +135,7 @@ def pixel_rays(camera: Camera) -> NDArray[np.float64]:
     A point at depth Z of a pixel (`View.depth_m`) is ``Z * ray`` [m]: rays of rectilinear cameras are scaled
     to z = 1, those of others have unit length.
 
-    Returns
-    -------
-    NDArray
-        (H, W, 3) float64; NaN outside of the image circle [1].
+    Returns: (H, W, 3) float64; NaN outside of the image circle [1].
 
     Examples
     --------
@@ -172,15 +157,9 @@ def pixel_rays(camera: Camera) -> NDArray[np.float64]:
 def along_axis_m(depth_m: NDArray[np.floating], camera: Camera) -> NDArray[np.float64]:
     """The distance along the optical axis of what has a depth (`View.depth_m`); negative behind the camera.
 
-    Parameters
-    ----------
-    depth_m
-        (..., H, W) depth, infinite where nothing is [m].
+    `depth_m`: (..., H, W) depth, infinite where nothing is [m].
 
-    Returns
-    -------
-    NDArray
-        (..., H, W); infinite where nothing is [m].
+    Returns: (..., H, W); infinite where nothing is [m].
     """
     return _times(depth_m, pixel_rays(camera)[..., 2])
 

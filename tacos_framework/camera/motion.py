@@ -93,27 +93,16 @@ def _reprojected_by_rays(
 
 @dataclass(frozen=True, eq=False)
 class FrameMotion:
-    """How what one frame shows moves over the image about its moment: by the agent's way, and by its own.
-
-    Parameters
-    ----------
-    geometry
-        Where the pixels lie.
-    time_s
-        The frame's moment: the middle of its exposure, of its middle row where the shutter is rolling [s].
-    agent
-        The agent's way.
-    agent_from_camera
-        (4, 4) the camera on the agent [m].
-    movers
-        The ways of what moves by itself, by object id.
-    """
+    """How what one frame shows moves over the image about its moment: by the agent's way, and by its own."""
 
     geometry: ImageGeometry
     time_s: float
+    """The frame's moment: the middle of its exposure, of its middle row where the shutter is rolling [s]."""
     agent: Trajectory
     agent_from_camera: NDArray[np.float64]
+    """(4, 4) the camera on the agent [m]."""
     movers: Mapping[int, Trajectory]
+    """The ways of what moves by itself, by object id."""
 
     @classmethod
     def of(cls, view: View, episode: Episode) -> FrameMotion:
@@ -183,17 +172,7 @@ def image_velocity(view: View, episode: Episode) -> NDArray[np.float32]:
 
     Only the camera moves: worlds stand still.
 
-    Parameters
-    ----------
-    view
-        A view of the episode's frames.
-    episode
-        The frames, with the agent's path.
-
-    Returns
-    -------
-    NDArray
-        (N, H, W, 2) float32, x to the right, y downwards [px/s].
+    Returns: (N, H, W, 2) float32, x to the right, y downwards [px/s].
     """
     geometry = ImageGeometry.of_camera(view.camera)
     before, after = (

@@ -35,15 +35,9 @@ class Projecting(Protocol):
 def rays_of_pixels(pixels_px: ArrayLike, camera: Projecting) -> NDArray[np.float64]:
     """The directions that places of an image look into.
 
-    Parameters
-    ----------
-    pixels_px
-        (..., 2) places (x, y), inside the image or not [px].
+    `pixels_px`: (..., 2) places (x, y), inside the image or not [px].
 
-    Returns
-    -------
-    NDArray
-        (..., 3) unit vectors in the camera frame; NaN outside of the image circle [1].
+    Returns: (..., 3) unit vectors in the camera frame; NaN outside of the image circle [1].
 
     Examples
     --------
@@ -75,15 +69,9 @@ def rays_of_pixels(pixels_px: ArrayLike, camera: Projecting) -> NDArray[np.float
 def pixels_of_rays(rays: ArrayLike, camera: Projecting) -> NDArray[np.float64]:
     """Where directions are imaged; undoes `rays_of_pixels`.
 
-    Parameters
-    ----------
-    rays
-        (..., 3) directions in the camera frame, of any length above 0.
+    `rays`: (..., 3) directions in the camera frame, of any length above 0.
 
-    Returns
-    -------
-    NDArray
-        (..., 2) places (x, y), not clipped to the image; NaN for what the lens does not image [px].
+    Returns: (..., 2) places (x, y), not clipped to the image; NaN for what the lens does not image [px].
 
     Examples
     --------

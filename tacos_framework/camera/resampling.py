@@ -41,17 +41,11 @@ def resample(
     lens parameters would take for distortion; the spline has neither fault and keeps nearly all contrast
     (99 % at 0.3 cycles per pixel, half-way between pixels).
 
-    Parameters
-    ----------
-    frames
-        (N, H, W, C) float light or samples.
-    x_px, y_px
-        (H', W') or (N, H', W') where in the frames each new pixel looks [px].
+    `frames`: (N, H, W, C) float light or samples. `x_px`, `y_px`: (H', W') or (N, H', W') where in the frames
+    each new pixel looks [px].
 
-    Returns
-    -------
-    NDArray
-        (N, H', W', C), same dtype; nowhere outside the range of its frame, as the spline overshoots at edges.
+    Returns: (N, H', W', C), same dtype; nowhere outside the range of its frame, as the spline overshoots at
+    edges.
 
     Examples
     --------
@@ -122,18 +116,11 @@ def evaluate(
 def composed(first: Places, then: Places) -> Places:
     """Where a picture that was moved twice looks in the first one: light that is moved at once is read once.
 
-    Parameters
-    ----------
-    first
-        (H, W) or (N, H, W) where the picture in between looks [px].
-    then
-        Likewise where the last picture looks in the one in between [px].
+    `first`: (H, W) or (N, H, W) where the picture in between looks [px]. `then`: likewise where the last
+    picture looks in the one in between [px].
 
-    Returns
-    -------
-    Places
-        Where the last picture looks. Between the pixels of the picture in between its moves are linear;
-        outside of it they go on as at its edge.
+    Returns: where the last picture looks. Between the pixels of the picture in between its moves are linear;
+    outside of it they go on as at its edge.
 
     Examples
     --------
@@ -161,17 +148,9 @@ def nearest(
 ) -> NDArray[Samples]:
     """The value of the nearest pixel, for labels.
 
-    Parameters
-    ----------
-    frames
-        (N, H, W) values.
-    x_px, y_px
-        (H', W') or (N, H', W') where each new pixel looks [px].
+    `frames`: (N, H, W) values. `x_px`, `y_px`: (H', W') or (N, H', W') where each new pixel looks [px].
 
-    Returns
-    -------
-    NDArray
-        (N, H', W'), same dtype.
+    Returns: (N, H', W'), same dtype.
     """
     count, height, width = frames.shape
     column = np.clip(np.rint(x_px), 0, width - 1).astype(np.intp)
@@ -187,17 +166,10 @@ def resample_inverse_depth(
 
     One over depth is linear in the image of a plane, and 0 far away.
 
-    Parameters
-    ----------
-    inverse_depth
-        (N, H, W) one over depth [1/m].
-    x_px, y_px
-        (H', W') or (N, H', W') where each new pixel looks [px].
+    `inverse_depth`: (N, H, W) one over depth [1/m]. `x_px`, `y_px`: (H', W') or (N, H', W') where each new
+    pixel looks [px].
 
-    Returns
-    -------
-    NDArray
-        (N, H', W'), same dtype [1/m].
+    Returns: (N, H', W'), same dtype [1/m].
     """
     count, height, width = inverse_depth.shape
     x, y = np.clip(x_px, 0, width - 1), np.clip(y_px, 0, height - 1)

@@ -21,22 +21,12 @@ def image_units_per(
 ) -> float | None:
     """How many photosites or digital numbers a physical unit comes to in an image.
 
-    Parameters
-    ----------
-    physical_unit
-        ``um``, ``deg/s``, ``e-``, ``e-/s`` or ``of full scale``.
-    image_unit
-        ``px``, ``DN`` or ``DN/s``.
+    `physical_unit`: ``um``, ``deg/s``, ``e-``, ``e-/s`` or ``of full scale``. `image_unit`: ``px``, ``DN`` or
+    ``DN/s``.
 
-    Returns
-    -------
-    float | None
-        None where the conversion gain of the camera is not known.
+    Returns: None where the conversion gain of the camera is not known.
 
-    Raises
-    ------
-    ValueError
-        For a pair of units that do not belong together.
+    Raises `ValueError` for a pair of units that do not belong together.
 
     Examples
     --------

@@ -75,13 +75,7 @@ class RawPart:
 
 @dataclass
 class PartChecker:
-    """Turns raw parts into parts and keeps every fault.
-
-    Parameters
-    ----------
-    columns
-        The columns of the catalog.
-    """
+    """Turns raw parts into parts and keeps every fault."""
 
     columns: Sequence[CatalogColumn]
     faults: list[Fault] = field(default_factory=list)

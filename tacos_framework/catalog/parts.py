@@ -15,62 +15,38 @@ Scheme = Literal["quantized", "discrete"]
 
 @dataclass(frozen=True)
 class CatalogColumn:
-    """Unit, type and meaning of one column.
-
-    Parameters
-    ----------
-    name
-        Ends in the unit, as in ``pixel_um``; words have none.
-    unit
-        The unit as it is written for people (``"um"``, ``"e-/s"``); ``"1"`` for ratios and words.
-    type
-        ``number``, ``integer`` or ``text``.
-    required
-        Whether each part must have a value.
-    positive
-        Whether numbers must be above 0.
-    """
+    """Unit, type and meaning of one column."""
 
     name: str
+    """Ends in the unit, as in ``pixel_um``; words have none."""
     unit: str
+    """The unit as it is written for people (``"um"``, ``"e-/s"``); ``"1"`` for ratios and words."""
     help: str
     type: Literal["number", "integer", "text"] = "number"
+    """``number``, ``integer`` or ``text``."""
     required: bool = False
     positive: bool = True
+    """Whether numbers must be above 0."""
 
 
 @dataclass(frozen=True)
 class Catalog:
-    """Parts of one kind to choose from.
-
-    Parameters
-    ----------
-    name
-        What recipes call it.
-    title
-        One line for people.
-    columns
-        What is known of its parts.
-    rows
-        The parts, in the order of the file.
-    source
-        Where the catalog as a whole comes from.
-    design_columns
-        The numeric columns that span the space a design moves in, unless the recipe says otherwise.
-    scheme
-        How optimizers see its rows, unless the recipe says otherwise (`CatalogChoice`).
-    rigs
-        Of a catalog of whole cameras, the rig that takes each kind of them.
-    """
+    """Parts of one kind to choose from."""
 
     name: str
+    """What recipes call it."""
     title: str
     columns: tuple[CatalogColumn, ...]
     rows: tuple[CatalogPart, ...]
+    """The parts, in the order of the file."""
     source: str
+    """Where the catalog as a whole comes from."""
     design_columns: tuple[str, ...]
+    """The numeric columns that span the space a design moves in, unless the recipe says otherwise."""
     scheme: Scheme = "quantized"
+    """How optimizers see its rows, unless the recipe says otherwise (`CatalogChoice`)."""
     rigs: Mapping[str, str] = field(default_factory=dict, compare=False)
+    """Of a catalog of whole cameras, the rig that takes each kind of them."""
 
     def __post_init__(self) -> None:
         if not self.rows:
@@ -87,10 +63,7 @@ class Catalog:
     def part(self, name: str) -> CatalogPart:
         """The part of that name.
 
-        Raises
-        ------
-        ValueError
-            When there is none.
+        Raises `ValueError` when there is none.
         """
         for row in self.rows:
             if row.name == name:

@@ -100,17 +100,10 @@ def catalog_names() -> tuple[str, ...]:
 def find_catalog(name: str | Path, folder: Path | None = None) -> Catalog:
     """A shipped catalog by its name, or one of the user's by its path.
 
-    Parameters
-    ----------
-    name
-        ``image_sensors``, or a path of a YAML or CSV file.
-    folder
-        The folder of the recipe: its paths start there and must not leave it. None lifts that.
+    `name`: ``image_sensors``, or a path of a YAML or CSV file. `folder`: the folder of the recipe: its paths
+    start there and must not leave it. None lifts that.
 
-    Raises
-    ------
-    UserError
-        When there is none, or with all that is wrong with it.
+    Raises `UserError` when there is none, or with all that is wrong with it.
     """
     return read_catalog(find_file(name, shipped_folder("catalogs"), folder=folder, noun="catalog"))
 
@@ -118,10 +111,7 @@ def find_catalog(name: str | Path, folder: Path | None = None) -> Catalog:
 def read_catalog(path: Path) -> Catalog:
     """The catalog in a YAML or CSV file.
 
-    Raises
-    ------
-    UserError
-        With every fault that can be found in one pass.
+    Raises `UserError` with every fault that can be found in one pass.
     """
     if path.suffix.lower() == ".csv":
         return _from_csv(path)

@@ -33,12 +33,8 @@ LONGEST_SILENCE_S = 20.0
 def progress_for(*, quiet: bool, verbose: bool = False) -> Iterator[Progress]:
     """Progress on standard error during a run, with the log.
 
-    Parameters
-    ----------
-    quiet
-        No progress, but warnings. Otherwise it is a live bar on a terminal, and lines elsewhere.
-    verbose
-        All that is logged, not warnings alone; tracebacks in full.
+    `quiet`: no progress, but warnings. Otherwise it is a live bar on a terminal, and lines elsewhere.
+    `verbose`: all that is logged, not warnings alone; tracebacks in full.
     """
     console = Console(file=terminal_errors())
     lines = _LogLines(console, verbose=verbose)

@@ -30,10 +30,7 @@ PARTS_NAMED = 3
 def remarks(plan: Plan, *, verbose: bool) -> Iterator[str]:
     """Remarks for whoever builds a camera of this study, line by line.
 
-    Parameters
-    ----------
-    verbose
-        All doubts about parts in full, in place of a short list.
+    `verbose`: all doubts about parts in full, in place of a short list.
     """
     for note in (
         *notes_on_search(plan),

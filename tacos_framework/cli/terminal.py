@@ -16,13 +16,7 @@ from tacos_framework.errors import printable
 
 
 class PrintableStream:
-    """A stream whose text is made `tacos_framework.errors.printable`; all else is that of the stream.
-
-    Parameters
-    ----------
-    stream
-        Where the text goes.
-    """
+    """A stream whose text is made `tacos_framework.errors.printable`; all else is that of the stream."""
 
     def __init__(self, stream: TextIO):
         self.stream = stream

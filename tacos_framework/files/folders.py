@@ -11,10 +11,7 @@ from tacos_framework.errors import Fault, UserError
 def made_folder(folder: Path) -> Path:
     """The folder, made where it is not there.
 
-    Raises
-    ------
-    UserError
-        When it cannot be made, or not be written to.
+    Raises `UserError` when it cannot be made, or not be written to.
     """
     expected, remedy = "a folder that you may write to", "Name another folder."
     try:

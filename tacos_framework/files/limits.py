@@ -23,29 +23,6 @@ class Limits:
     Megabytes are 10^6 bytes. The defaults hold what people really have, an image of 80 megapixels in three
     channels among it; whoever has larger files and trusts them raises a limit.
 
-    Parameters
-    ----------
-    text_mb
-        Size of a YAML file, or of a table [MB].
-    json_mb
-        Size of a JSON file [MB]; in memory it may be twenty times that.
-    lines_mb
-        Size of a log, or of a file with a JSON object a line [MB].
-    image_mb
-        Decoded samples of one image [MB], and size of its file.
-    array_mb
-        Samples of an array, or of all arrays of one file [MB].
-    captures_mb
-        Samples of all images of a folder of captures together, as 32-bit numbers [MB].
-    weights_mb
-        Size of a file of weights [MB].
-    mesh_mb
-        Size of a file of triangles, with all it refers to [MB].
-    obj_mb
-        Size of an OBJ file, which is text and takes twenty times as much [MB].
-    mesh_triangles
-        Triangles of one such file, copies in the scene counted each.
-
     Examples
     --------
     >>> limits("image_mb=1000").image_mb
@@ -53,15 +30,25 @@ class Limits:
     """
 
     text_mb: float = 1.0
+    """Size of a YAML file, or of a table [MB]."""
     json_mb: float = 32.0
+    """Size of a JSON file [MB]; in memory it may be twenty times that."""
     lines_mb: float = 400.0
+    """Size of a log, or of a file with a JSON object a line [MB]."""
     image_mb: float = 256.0
+    """Decoded samples of one image [MB], and size of its file."""
     array_mb: float = 400.0
+    """Samples of an array, or of all arrays of one file [MB]."""
     captures_mb: float = 8000.0
+    """Samples of all images of a folder of captures together, as 32-bit numbers [MB]."""
     weights_mb: float = 1000.0
+    """Size of a file of weights [MB]."""
     mesh_mb: float = 128.0
+    """Size of a file of triangles, with all it refers to [MB]."""
     obj_mb: float = 32.0
+    """Size of an OBJ file, which is text and takes twenty times as much [MB]."""
     mesh_triangles: float = 2e6
+    """Triangles of one such file, copies in the scene counted each."""
 
     def bytes_of(self, name: str) -> int:
         """A limit in bytes."""
@@ -76,10 +63,7 @@ class Limits:
 def limits(text: str | None = None) -> Limits:
     """The limits that hold: the defaults, with what `VARIABLE` (or `text`) says of them.
 
-    Raises
-    ------
-    UserError
-        When it names a limit that there is not, or gives one no positive number.
+    Raises `UserError` when it names a limit that there is not, or gives one no positive number.
     """
     return _limits(os.environ.get(VARIABLE, "") if text is None else text)
 

@@ -32,12 +32,7 @@ def open_regular(path: Path) -> BufferedReader:
 
     What is checked is what was opened: nothing can be exchanged between the check and the reading.
 
-    Raises
-    ------
-    NotAFile
-        When something else is there.
-    OSError
-        When nothing is, or it cannot be opened.
+    Raises `NotAFile` when something else is there. Raises `OSError` when nothing is, or it cannot be opened.
     """
     descriptor = os.open(path, _FLAGS)
     mode = os.fstat(descriptor).st_mode

@@ -19,10 +19,7 @@ def read_text(
 
     Parameters are those of `tacos_framework.files.regular.read_bytes`.
 
-    Raises
-    ------
-    UserError
-        When it cannot be read, is too large, or is not UTF-8.
+    Raises `UserError` when it cannot be read, is too large, or is not UTF-8.
     """
     content = read_bytes(path, limit, where=where, within=within)
     try:
@@ -38,15 +35,9 @@ def read_text(
 def read_json(path: Path, *, where: str | None = None, expected: str = "", remedy: str = "") -> Any:
     """The value in a JSON file.
 
-    Parameters
-    ----------
-    expected, remedy
-        Of the fault, where the file is no JSON.
+    `expected`, `remedy`: of the fault, where the file is no JSON.
 
-    Raises
-    ------
-    UserError
-        When it cannot be read, is too large, or is no JSON.
+    Raises `UserError` when it cannot be read, is too large, or is no JSON.
     """
     name = str(path) if where is None else where
     return parse_json(read_text(path, where=where, limit="json_mb"), name, expected, remedy)
@@ -55,10 +46,7 @@ def read_json(path: Path, *, where: str | None = None, expected: str = "", remed
 def read_lines(path: Path, *, where: str | None = None) -> list[str]:
     """The lines of a text file, such as one of JSON objects; a last one without its end is among them.
 
-    Raises
-    ------
-    UserError
-        As for `read_text`.
+    Raises `UserError` as for `read_text`.
     """
     lines = read_text(path, where=where, limit="lines_mb").split("\n")  # text in JSON may hold other ends
     return lines[:-1] if not lines[-1] else lines
@@ -67,10 +55,7 @@ def read_lines(path: Path, *, where: str | None = None) -> list[str]:
 def parse_json(text: str, where: str, expected: str = "", remedy: str = "") -> Any:
     """The value in JSON text.
 
-    Raises
-    ------
-    UserError
-        When it is none, or nested too deeply.
+    Raises `UserError` when it is none, or nested too deeply.
     """
     try:
         return json.loads(text)
@@ -85,10 +70,7 @@ def read_csv(
 ) -> list[tuple[int, list[str]]]:
     """The lines of a table with their numbers, cells without the blanks around them.
 
-    Raises
-    ------
-    UserError
-        When it cannot be read or is no table.
+    Raises `UserError` when it cannot be read or is no table.
     """
     table = csv.reader(
         StringIO(read_text(path, where=where, within=within), newline=""), strict=True, skipinitialspace=True

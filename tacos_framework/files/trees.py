@@ -22,10 +22,7 @@ def checksums_below(root: Path) -> Mapping[str, str]:
 
     Read once for as long as no file is written.
 
-    Raises
-    ------
-    OSError
-        When one cannot be read, or is no regular file.
+    Raises `OSError` when one cannot be read, or is no regular file.
     """
     stats = [(path, os.stat(path)) for path in _files(root)]
     stamps = tuple((path, stat.st_mtime_ns, stat.st_size) for path, stat in stats)

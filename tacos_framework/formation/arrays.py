@@ -21,21 +21,15 @@ Samples = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class SensorAt:
-    """A sensor at a camera and an exposure.
-
-    Parameters
-    ----------
-    use, name
-        The component, and its node: the noise it draws follows from the name.
-    camera, exposure
-        Whose photosites, exposed for how long.
-    """
+    """A sensor at a camera and an exposure."""
 
     use: str
     name: str
+    """The component, and its node: the noise it draws follows from the name."""
     sensor: Any
     camera: Camera
     exposure: Exposure
+    """Whose photosites, exposed for how long."""
 
     @cached_property
     def context(self) -> ImageContext:
@@ -83,10 +77,7 @@ class SensorAt:
     ) -> NDArray[np.float32]:
         """Variance in the samples of noise that is in the light already, of the samples' shape [DN^2].
 
-        Parameters
-        ----------
-        noise_cd2_m4
-            See `View.noise_cd2_m4`.
+        `noise_cd2_m4`: see `View.noise_cd2_m4`.
         """
         one = np.eye(3, dtype=np.float32) if noise_cd2_m4.shape[-1] == 3 else np.ones((1, 3), np.float32)
         variance_dn2 = np.zeros_like(expected_dn)

@@ -93,10 +93,7 @@ class EffectChain:
     ) -> EffectChain:
         """The chain of those effects that act on a camera, in the units of its image.
 
-        Raises
-        ------
-        CandidateFailed
-            Where settings cannot be had on this camera.
+        Raises `CandidateFailed` where settings cannot be had on this camera.
         """
         ordered = sorted(placed, key=lambda each: formation_order(each.cls))
         acting = []

@@ -13,17 +13,10 @@ from tacos_framework.errors import ContractBroken
 def checked_samples(component: str, samples_dn: Any, like: NDArray[Any]) -> NDArray[Any]:
     """Samples or light that a component made of others, if they are of the shape of those and finite.
 
-    Parameters
-    ----------
-    component
-        Its name in messages.
-    like
-        (N, H, W, C) what it was given; the number of channels may have changed.
+    `component`: its name in messages. `like`: (N, H, W, C) what it was given; the number of channels may have
+    changed.
 
-    Raises
-    ------
-    ContractBroken
-        When they are not.
+    Raises `ContractBroken` when they are not.
     """
     if not isinstance(samples_dn, np.ndarray):
         raise ContractBroken(f"{component} gives a {type(samples_dn).__name__} where an array is expected")
@@ -56,12 +49,8 @@ def refuse(
 ) -> None:
     """Say how many values are wrong, and which is the first.
 
-    Parameters
-    ----------
-    array, wrong
-        The values, and which of them are wrong.
-    first_frame
-        Number of the first frame in its episode, for arrays of frames.
+    `array`, `wrong`: the values, and which of them are wrong. `first_frame`: number of the first frame in its
+    episode, for arrays of frames.
     """
     index = tuple(int(i) for i in np.unravel_index(int(wrong.argmax()), wrong.shape))
     place = f"index {index}"

@@ -31,29 +31,19 @@ class _CameraState:
 
 @dataclass(frozen=True)
 class ExposureLoop:
-    """The loop from a frame to the exposure of the next.
-
-    Parameters
-    ----------
-    start
-        The exposure that every walk begins with.
-    expose
-        Image formation of one frame of one camera.
-    """
+    """The loop from a frame to the exposure of the next."""
 
     control: PlacedControl
     start: Exposure
+    """The exposure that every walk begins with."""
     expose: Expose
+    """Image formation of one frame of one camera."""
 
     def frames(self, capture: Capture, sensor: str, draws: EpisodeDraws) -> FrameBatch:
         """The frames of a batch, which may begin anywhere in the episode.
 
-        Parameters
-        ----------
-        sensor
-            Name of the sensor's node: each has cameras of its own to control.
-        draws
-            Generators of the episode, and what the controller keeps.
+        `sensor`: name of the sensor's node: each has cameras of its own to control. `draws`: generators of
+        the episode, and what the controller keeps.
         """
         taken = [
             [self._frame(capture, number, i, sensor, draws) for i in range(len(capture.episode))]

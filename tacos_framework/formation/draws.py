@@ -15,13 +15,6 @@ from tacos_framework.randomness import generator
 class EpisodeDraws:
     """Generators by frame and name, so that no draw depends on batches, workers or order.
 
-    Parameters
-    ----------
-    seed
-        Seed of the study.
-    names
-        Which episode: the same seed and names draw the same noise.
-
     Examples
     --------
     >>> draws = EpisodeDraws(7, ("design", 0))
@@ -31,6 +24,7 @@ class EpisodeDraws:
 
     seed: int
     names: tuple[str | int, ...]
+    """Which episode: the same seed and names draw the same noise."""
     _memories: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
 
     @property

@@ -75,15 +75,9 @@ class ImageFormation:
     def expose(self, capture: Capture, sensor: PlacedSensor, draws: EpisodeDraws) -> FrameBatch:
         """The frames of a batch, with the effects inside the sensor and on its files.
 
-        Returns
-        -------
-        FrameBatch
-            uint8 up to a white level of 255, else uint16 [DN].
+        Returns: uint8 up to a white level of 255, else uint16 [DN].
 
-        Raises
-        ------
-        UserError
-            When the files of one camera have another range than those of the first.
+        Raises `UserError` when the files of one camera have another range than those of the first.
         """
         black_level_dn, white_level_dn = sensor.range_dn([view.camera.name for view in capture.views])
         if self.control:

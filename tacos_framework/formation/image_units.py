@@ -22,22 +22,13 @@ from tacos_framework.values import ImageContext, ImageGeometry
 def in_image_units(config: Settings, use: str, geometry: ImageGeometry, context: ImageContext) -> Settings:
     """Settings with every physical value turned into that of an image, and binning taken account of.
 
-    Parameters
-    ----------
-    config
-        Settings of an effect, in physical units or in those of photosites.
-    use
-        The component, for messages.
+    `config`: settings of an effect, in physical units or in those of photosites. `use`: the component, for
+    messages.
 
-    Returns
-    -------
-    Settings
-        In pixels and digital numbers of the image alone; `config` itself where that is what it has.
+    Returns: in pixels and digital numbers of the image alone; `config` itself where that is what it has.
 
-    Raises
-    ------
-    CandidateFailed
-        Where a value is out of bounds there, or the camera's conversion gain is not known.
+    Raises `CandidateFailed` where a value is out of bounds there, or the camera's conversion gain is not
+    known.
     """
     photosites = _in_photosites(config, use, geometry, context)
     if geometry.binning == 1.0:

@@ -76,27 +76,20 @@ class Side:
 
 @dataclass(frozen=True, eq=False)
 class Faces:
-    """How an image of S pixels is put together from P pixels of pictures, one picture after the other.
-
-    Parameters
-    ----------
-    light
-        (S, P) shares of light; rows of what the lens does not image are empty.
-    around, shares
-        (S, 4) pixels around what pixel centres look at, the nearest first, and what each counts in a linear
-        mean.
-    imaged
-        (S,) whether the lens images anything there.
-    depth_over_z
-        (S,) depth as `View.depth_m` has it, over that along the axis of the picture [1].
-    """
+    """How an image of S pixels is put together from P pixels of pictures, one picture after the other."""
 
     sides: tuple[Side, ...]
     light: csr_array
+    """(S, P) shares of light; rows of what the lens does not image are empty."""
     around: NDArray[np.int32]
     shares: NDArray[np.float32]
+    """(S, 4) pixels around what pixel centres look at, the nearest first, and what each counts in a linear
+    mean.
+    """
     imaged: NDArray[np.bool_]
+    """(S,) whether the lens images anything there."""
     depth_over_z: Array
+    """(S,) depth as `View.depth_m` has it, over that along the axis of the picture [1]."""
 
     def luminance(self, pictures: NDArray[np.float32]) -> NDArray[np.float32]:
         """(S, 3) light of (P, 3) [cd/m2]."""
@@ -128,24 +121,16 @@ def faces_of(geometry: ImageGeometry) -> Faces:
 
 @dataclass(frozen=True, eq=False)
 class _Looks:
-    """Where S pixels of an image look.
-
-    Parameters
-    ----------
-    side
-        (S,) the side of the cube; -1 for none.
-    tangents
-        (S, 2) where in it, x and y over the distance along its axis [1].
-    moves
-        (S, 2, 2) how that moves from column to column, and from row to row [1/px].
-    depth_over_z
-        (S,) depth over that along the side's axis [1].
-    """
+    """Where S pixels of an image look."""
 
     side: NDArray[np.intp]
+    """(S,) the side of the cube; -1 for none."""
     tangents: Array
+    """(S, 2) where in it, x and y over the distance along its axis [1]."""
     moves: Array
+    """(S, 2, 2) how that moves from column to column, and from row to row [1/px]."""
     depth_over_z: Array
+    """(S,) depth over that along the side's axis [1]."""
 
 
 _ABOUT_PX: Final = np.array([(0, 0), (0.25, 0), (-0.25, 0), (0, 0.25), (0, -0.25)])

@@ -19,10 +19,7 @@ def captured(renderer: Any, rig: Rig, take: Callable[..., Capture]) -> Capture:
     Cameras that are no pinholes are put together from pinhole pictures (`lens_faces`), all taken in one call,
     unless the renderer itself says that it draws lenses (`RendererBase.draws_lenses`).
 
-    Parameters
-    ----------
-    take
-        The renderer's `capture`, all given but the ``rig``.
+    `take`: the renderer's `capture`, all given but the ``rig``.
 
     Examples
     --------

@@ -14,26 +14,18 @@ from tacos_framework.settings import Settings
 
 @dataclass(frozen=True)
 class PlacedEffect:
-    """An effect, the cameras it acts on, and its settings for each.
-
-    Parameters
-    ----------
-    use
-        The component, for messages.
-    name
-        Its name in the recipe; what it draws follows from it.
-    by_camera
-        Settings of cameras that have their own.
-    cameras
-        The cameras it acts on; all of them if None.
-    """
+    """An effect, the cameras it acts on, and its settings for each."""
 
     use: str
+    """The component, for messages."""
     name: str
+    """Its name in the recipe; what it draws follows from it."""
     cls: type[Any]
     config: Settings
     by_camera: Mapping[str, Settings] = field(default_factory=dict)
+    """Settings of cameras that have their own."""
     cameras: tuple[str, ...] | None = None
+    """The cameras it acts on; all of them if None."""
 
     def config_at(self, camera: str) -> Settings | None:
         """Its settings at a camera; None where it does not act there."""
@@ -52,22 +44,15 @@ class PlacedControl:
 
 @dataclass(frozen=True)
 class PlacedSensor:
-    """A sensor model, built, and those of cameras with settings of their own.
-
-    Parameters
-    ----------
-    use
-        The component, for messages.
-    name
-        Its node in the recipe; the noise it draws follows from it.
-    by_camera
-        The sensors of cameras that have their own.
-    """
+    """A sensor model, built, and those of cameras with settings of their own."""
 
     use: str
+    """The component, for messages."""
     name: str
+    """Its node in the recipe; the noise it draws follows from it."""
     sensor: Any
     by_camera: Mapping[str, Any] = field(default_factory=dict)
+    """The sensors of cameras that have their own."""
 
     def at(self, camera: str) -> Any:
         """The sensor of a camera."""
@@ -84,10 +69,7 @@ class PlacedSensor:
     def range_dn(self, cameras: Sequence[str]) -> tuple[float, float]:
         """Black and white level of the files of a rig's cameras, which share them [DN].
 
-        Raises
-        ------
-        UserError
-            When the files of one camera have another range than those of the first.
+        Raises `UserError` when the files of one camera have another range than those of the first.
         """
         first, *others = ((name, _range_dn(self.at(name))) for name in cameras)
         for name, found in others:

@@ -47,19 +47,7 @@ def with_light_effects(
 ) -> View:
     """A view with effects on its light, frame by frame.
 
-    Parameters
-    ----------
-    view
-        What the renderer gave of one camera.
-    episode
-        Its frames in the world.
-    effects
-        Those of its camera, in their order.
-
-    Returns
-    -------
-    View
-        The view itself where every effect is off.
+    Returns: the view itself where every effect is off.
     """
     return joined([_frame(view, episode, effects, exposure, draws, i) for i in range(len(episode))], view)
 

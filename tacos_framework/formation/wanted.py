@@ -21,10 +21,7 @@ def as_wanted(frames: FrameBatch, wants: Wanted | None) -> FrameBatch:
 
     Linear files become 8 bits by the curve of sRGB; coded ones of more bits are rounded to 8.
 
-    Returns
-    -------
-    FrameBatch
-        For ``coded`` and ``grey`` uint8 from 0, black, to 255.
+    Returns: for ``coded`` and ``grey`` uint8 from 0, black, to 255.
     """
     if wants is None or wants == "linear":
         return frames

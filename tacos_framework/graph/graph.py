@@ -15,15 +15,7 @@ from tacos_framework.values import Episode, FrameBatch
 class Graph:
     """A graph whose wiring is right.
 
-    Parameters
-    ----------
-    nodes
-        The nodes by name.
-
-    Raises
-    ------
-    ValueError
-        When the wiring is wrong; `wiring_faults` tells all that is.
+    Raises `ValueError` when the wiring is wrong; `wiring_faults` tells all that is.
     """
 
     def __init__(self, nodes: Mapping[str, Node]):

@@ -19,24 +19,15 @@ _VERB = {"scene": "episode", "renderer": "capture", "transform": "transform", "t
 
 @dataclass(frozen=True)
 class Signature:
-    """The ports of a component.
-
-    Parameters
-    ----------
-    inputs
-        Input ports and their types.
-    output
-        Type of the output port; None for tasks, which end a path.
-    supplied
-        What the framework supplies beside: keyword-only parameters of the verb.
-    verb
-        The method that is called; none for those that the framework drives.
-    """
+    """The ports of a component."""
 
     inputs: Mapping[str, Any]
     output: Any
+    """Type of the output port; None for tasks, which end a path."""
     supplied: frozenset[str]
+    """What the framework supplies beside: keyword-only parameters of the verb."""
     verb: str = ""
+    """The method that is called; none for those that the framework drives."""
 
 
 def signature_of(cls: type[Any], kind: str) -> Signature:
@@ -46,12 +37,8 @@ def signature_of(cls: type[Any], kind: str) -> Signature:
     that acts before digitisation takes and gives a `Capture`, one that acts on files a `FrameBatch`, and a
     sensor turns the one into the other.
 
-    Raises
-    ------
-    TypeError
-        When a port has no annotation, or a verb does not say what it gives.
-    NameError
-        When an annotation names what cannot be found.
+    Raises `TypeError` when a port has no annotation, or a verb does not say what it gives. Raises `NameError`
+    when an annotation names what cannot be found.
     """
     if kind == "sensor":
         return Signature({"capture": Capture}, FrameBatch, frozenset({"rig", "exposure"}))

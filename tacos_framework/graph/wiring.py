@@ -15,21 +15,12 @@ from tacos_framework.graph.types import fits, type_name
 
 @dataclass(frozen=True)
 class Node:
-    """One component in the graph.
-
-    Parameters
-    ----------
-    name
-        Its name in the recipe.
-    kind, use
-        ``"sensor"``, ``"sensor.affine-noise"``.
-    sources
-        Which node feeds each input port.
-    """
+    """One component in the graph."""
 
     name: str
     kind: str
     use: str
+    """``"sensor"``, ``"sensor.affine-noise"``."""
     signature: Signature
     sources: Mapping[str, str] = field(default_factory=dict)
 

@@ -20,21 +20,14 @@ from tacos_framework.variables.design_space import CatalogChoice, DesignSpace
 
 @dataclass(frozen=True)
 class Boundable:
-    """The quantities a recipe may name, each with its column where it is one of a part.
-
-    Parameters
-    ----------
-    units
-        Name and unit of each.
-    columns
-        Those that are columns of a catalog, and the words that stand in them.
-    complete
-        False where a variable is at fault, so that nobody knows the columns of its parts.
-    """
+    """The quantities a recipe may name, each with its column where it is one of a part."""
 
     units: Mapping[str, str]
+    """Name and unit of each."""
     columns: Mapping[str, tuple[CatalogColumn, frozenset[str]]]
+    """Those that are columns of a catalog, and the words that stand in them."""
     complete: bool
+    """False where a variable is at fault, so that nobody knows the columns of its parts."""
 
     def lacks(self, name: str) -> bool:
         """True if there is surely no such quantity."""

@@ -13,23 +13,16 @@ from tacos_framework.settings import Settings
 
 @dataclass(frozen=True)
 class ConfiguredComponent:
-    """A component class with its checked settings.
-
-    Parameters
-    ----------
-    use
-        The component, ``kind.name``.
-    distribution
-        The distribution it comes from; None where it was registered by hand.
-    built
-        The component as it was built when the recipe was checked; None where it was not.
-    """
+    """A component class with its checked settings."""
 
     use: str
+    """The component, ``kind.name``."""
     cls: type[Any]
     config: Settings
     distribution: str | None = None
+    """The distribution it comes from; None where it was registered by hand."""
     built: Any = field(default=None, compare=False, repr=False)
+    """The component as it was built when the recipe was checked; None where it was not."""
 
     @property
     def origin(self) -> str:
@@ -62,15 +55,9 @@ class ConfiguredComponent:
 
 @dataclass(frozen=True)
 class EffectPart(ConfiguredComponent):
-    """An effect, what design variables call it, and which cameras have it.
-
-    Parameters
-    ----------
-    name
-        Its name among the effects of the recipe, or that of its node.
-    cameras
-        Names of the cameras it acts on; None for all of the rig.
-    """
+    """An effect, what design variables call it, and which cameras have it."""
 
     name: str = ""
+    """Its name among the effects of the recipe, or that of its node."""
     cameras: tuple[str, ...] | None = None
+    """Names of the cameras it acts on; None for all of the rig."""

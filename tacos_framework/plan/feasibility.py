@@ -28,19 +28,13 @@ NEAR_TRIES = 300
 
 @dataclass(frozen=True)
 class Infeasible:
-    """Every camera that was tried breaks a constraint.
-
-    Parameters
-    ----------
-    unmet
-        For each constraint that none of them keeps, how the one that comes nearest breaks it.
-    nearest
-        What the camera that comes nearest to keeping all of them breaks.
-    """
+    """Every camera that was tried breaks a constraint."""
 
     tried: int
     unmet: tuple[Breach, ...]
+    """For each constraint that none of them keeps, how the one that comes nearest breaks it."""
     nearest: tuple[Breach, ...]
+    """What the camera that comes nearest to keeping all of them breaks."""
 
     @property
     def sentence(self) -> str:
@@ -53,12 +47,7 @@ def infeasible(
 ) -> Infeasible | None:
     """Why no camera keeps the constraints; None as soon as one does. Nothing is rendered.
 
-    Parameters
-    ----------
-    space
-        What is free; the plan's whole space if None.
-    fixes
-        Values of what is not.
+    `space`: what is free; the plan's whole space if None. `fixes`: values of what is not.
     """
     space, fixes = space or plan.space, dict(fixes or {})
     seen: list[tuple[tuple[float, ...], dict[str, Breach]]] = []

@@ -20,17 +20,12 @@ _CAMERAS = Annotated[tuple[str, ...], Field(min_length=1)]
 
 @dataclass(frozen=True)
 class RecipeFindings:
-    """A recipe under examination. Nothing raises: every fault is kept, and the examination goes on.
-
-    Parameters
-    ----------
-    faults
-        What is wrong, in the order it was found.
-    """
+    """A recipe under examination. Nothing raises: every fault is kept, and the examination goes on."""
 
     recipe: Recipe
     plugins: Plugins
     faults: list[Fault]
+    """What is wrong, in the order it was found."""
 
     def in_order(self) -> list[Fault]:
         """The faults of each file by line and column."""

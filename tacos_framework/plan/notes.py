@@ -62,19 +62,13 @@ def notes_on_catalogs(plan: Plan) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class DoubtedParts:
-    """Doubts about the parts of one catalog that can be chosen.
-
-    Parameters
-    ----------
-    parts
-        How many parts can be chosen.
-    by_doubt
-        Each doubt once, with the names of the parts it is about; those of many parts first.
-    """
+    """Doubts about the parts of one catalog that can be chosen."""
 
     catalog: str
     parts: int
+    """How many parts can be chosen."""
     by_doubt: Mapping[str, tuple[str, ...]]
+    """Each doubt once, with the names of the parts it is about; those of many parts first."""
 
     @property
     def doubted(self) -> int:
@@ -226,10 +220,7 @@ def _rules_out_parts(quantity: str, variable: CatalogChoice) -> bool:
 def notes_on_worlds(plan: Plan) -> Iterator[str]:
     """Doubts about the files of scenes, and statements in them that are not carried out; opens the files.
 
-    Raises
-    ------
-    UserError
-        With what is wrong with such a file.
+    Raises `UserError` with what is wrong with such a file.
     """
     for name in plan.graph.of_kind("scene"):
         scene = plan.nodes[name]

@@ -37,42 +37,26 @@ REFUSED: Mapping[str, float] = {"rig": 1.0}
 
 @dataclass(frozen=True)
 class Plan:
-    """A recipe with everything found and checked.
-
-    Parameters
-    ----------
-    nodes
-        The component of each node.
-    rig
-        The component that builds the rig.
-    fixed
-        Variables of the rig that the recipe fixes.
-    space
-        The variables it designs.
-    constraints
-        What a candidate must keep: those of the recipe, and those without which the rig cannot be built.
-    effects
-        Effects in the order of image formation.
-    objectives
-        Aims that a front trades off; none where the fitness alone counts.
-    exposure
-        What controls the exposure; None where it is fixed.
-    """
+    """A recipe with everything found and checked."""
 
     recipe: Recipe
     graph: Graph
     nodes: Mapping[str, ConfiguredComponent]
     rig: ConfiguredComponent
     fixed: Mapping[str, Any]
+    """Variables of the rig that the recipe fixes."""
     space: DesignSpace
     fitness: Fitness
     constraints: tuple[Constraint, ...]
+    """What a candidate must keep: those of the recipe, and those without which the rig cannot be built."""
     effects: tuple[EffectPart, ...]
     optimizer: ConfiguredComponent
     executor: ConfiguredComponent
     cameras: tuple[OffTheShelf, ...] = ()
     objectives: tuple[Objective, ...] = ()
+    """Aims that a front trades off; none where the fitness alone counts."""
     exposure: ConfiguredComponent | None = None
+    """What controls the exposure; None where it is fixed."""
 
     def target(self, variable: str) -> Target:
         """The target of the design variable of that name."""
@@ -93,12 +77,7 @@ class Plan:
     def breaches(self, values: Mapping[str, Any], derived: Mapping[str, float]) -> tuple[Breach, ...]:
         """The constraints that a candidate breaks; cheap, as nothing is rendered.
 
-        Parameters
-        ----------
-        values
-            Plain values of its design variables, and of what a product fixes.
-        derived
-            What the rig derives from them.
+        `values`: plain values of its design variables, and of what a product fixes.
         """
         values = {**self._still_fixed(values), **values}
         kept = self._kept_by_exposures(values, derived)
@@ -187,10 +166,7 @@ class Plan:
     def rig_variables(self, values: Mapping[str, Any]) -> Settings:
         """The rig's variables for plain values of the design variables.
 
-        Raises
-        ------
-        pydantic.ValidationError
-            When the rig refuses a value.
+        Raises `pydantic.ValidationError` when the rig refuses a value.
         """
         own = {name: value for name, value in values.items() if "." not in name}
         return self.rig.cls.Variables.model_validate_json(json.dumps({**self._still_fixed(own), **own}))

@@ -33,17 +33,9 @@ from tacos_framework.recipe import NamedScenario, Recipe
 def make_plan(recipe: Recipe, plugins: Plugins, faults: Sequence[Fault] = ()) -> Plan:
     """Check a recipe against the installed plugins.
 
-    Parameters
-    ----------
-    recipe
-        The recipe; may be a draft when `faults` says so.
-    faults
-        Faults found while reading it.
+    `recipe`: the recipe; may be a draft when `faults` says so.
 
-    Raises
-    ------
-    UserError
-        With those faults and all that are found here.
+    Raises `UserError` with those faults and all that are found here.
     """
     findings = RecipeFindings(recipe, plugins, list(faults))
     plan = _plan(findings)

@@ -40,10 +40,7 @@ class ProcedurePlan:
 def plan_procedure(recipe: ProcedureRecipe, plugins: Plugins, faults: Sequence[Fault] = ()) -> ProcedurePlan:
     """Check a procedure's recipe against the installed plugins.
 
-    Raises
-    ------
-    UserError
-        With `faults` and all that are found here.
+    Raises `UserError` with `faults` and all that are found here.
     """
     found = list(faults)
     cls, config = _configured(recipe, plugins, "procedure", recipe.use, recipe.settings, (), found)

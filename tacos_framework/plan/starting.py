@@ -14,12 +14,7 @@ def with_starting_values(
 ) -> dict[str, Any]:
     """The settings of a node or effect, with a first value for those it must have and the recipe designs.
 
-    Parameters
-    ----------
-    kind, owner
-        ``"node"`` or ``"effect"``, and its name.
-    settings
-        Those the recipe gives it.
+    `kind`, `owner`: ``"node"`` or ``"effect"``, and its name. `settings`: those the recipe gives it.
     """
     names = recipe.effect_names
     fields = cls.Config.model_fields

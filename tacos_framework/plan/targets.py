@@ -13,36 +13,25 @@ EXPOSURE = "exposure"
 
 @dataclass(frozen=True)
 class Target:
-    """The target of a design variable.
-
-    Parameters
-    ----------
-    kind
-        Whose variable or setting it is.
-    owner
-        Name of the node, effect or scenario; empty for the rig, and for all scenarios together; ``exposure``
-        for its control.
-    setting
-        Name of the variable or setting.
-    camera
-        The camera it is set for; None for all.
-    """
+    """The target of a design variable."""
 
     kind: Literal["rig", "scenario", "exposure", "node", "effect"]
+    """Whose variable or setting it is."""
     owner: str
+    """Name of the node, effect or scenario; empty for the rig, and for all scenarios together; ``exposure``
+    for its control.
+    """
     setting: str
     camera: str | None = None
+    """The camera it is set for; None for all."""
 
 
 def target_of(name: str, effects: Sequence[str]) -> Target:
     """The target that the name of a design variable describes, whether or not it exists.
 
-    Parameters
-    ----------
-    name
-        ``pitch_deg``, ``isp.gamma``, ``effects.jpeg.left.quality``, ``scenario.night.gain_db``.
-    effects
-        Names of the effects in the order of the recipe, which may also be counted: ``effects.0.quality``.
+    `name`: ``pitch_deg``, ``isp.gamma``, ``effects.jpeg.left.quality``, ``scenario.night.gain_db``.
+    `effects`: names of the effects in the order of the recipe, which may also be counted:
+    ``effects.0.quality``.
 
     Examples
     --------

@@ -14,27 +14,18 @@ Parameters = list[inspect.Parameter]
 
 @dataclass(frozen=True)
 class Call:
-    """One way in which the framework calls a component.
-
-    Parameters
-    ----------
-    verb
-        The method; ``__init__`` for the class itself.
-    given
-        What is given by position, in its order; None for input ports, of which there may be any number.
-    supplied
-        What the framework can supply by keyword.
-    asked_for
-        Whether a method is given only the keywords it asks for, rather than all of them.
-    offered
-        Further keywords, of which a method is given those it names among its parameters.
-    """
+    """One way in which the framework calls a component."""
 
     verb: str
+    """The method; ``__init__`` for the class itself."""
     given: tuple[str, ...] | None = ()
+    """What is given by position, in its order; None for input ports, of which there may be any number."""
     supplied: tuple[str, ...] = ()
+    """What the framework can supply by keyword."""
     asked_for: bool = False
+    """Whether a method is given only the keywords it asks for, rather than all of them."""
     offered: tuple[str, ...] = ()
+    """Further keywords, of which a method is given those it names among its parameters."""
 
     def faults(self, cls: type[Any]) -> Iterator[str]:
         """Reasons why a class cannot be called so, in sentences."""

@@ -17,11 +17,6 @@ from tacos_framework.plugins.registry import Registered, Registry
 class Plugins:
     """The plugins of one host. There is no global instance.
 
-    Attributes
-    ----------
-    offers
-        What they offer beside components.
-
     Examples
     --------
     >>> plugins = Plugins.discover()
@@ -135,10 +130,7 @@ class Plugins:
     def default(self, purpose: str, *, where: str) -> str:
         """The component that stands for what is not named; see `Component.default_for`.
 
-        Raises
-        ------
-        UserError
-            When no plugin that is installed, or more than one component, offers to.
+        Raises `UserError` when no plugin that is installed, or more than one component, offers to.
         """
         uses = [each.component.use for each in self if purpose in each.component.default_for]
         if len(uses) != 1:
@@ -150,11 +142,8 @@ class Plugins:
     def component(self, use: str, kind: str | None = None, *, where: str = "plugins") -> Component:
         """The component recipes call `use`.
 
-        Raises
-        ------
-        UserError
-            When nothing of that name (and kind) is installed, with the nearest name, what is broken, or
-            what to install; when two plugins offer it.
+        Raises `UserError` when nothing of that name (and kind) is installed, with the nearest name, what is
+        broken, or what to install; when two plugins offer it.
         """
         found = self._components.get(use)
         if found is not None and (kind is None or found.component.kind == kind):
@@ -164,10 +153,8 @@ class Plugins:
     def resolve(self, use: str, kind: str | None = None, *, where: str = "plugins") -> type[Any]:
         """The class of a component, checked against its contract.
 
-        Raises
-        ------
-        UserError
-            When it is not installed, an optional package is missing, or the class does not fit its kind.
+        Raises `UserError` when it is not installed, an optional package is missing, or the class does not fit
+        its kind.
         """
         component = self.component(use, kind, where=where)
         if missing := component.missing_packages():

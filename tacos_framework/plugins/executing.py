@@ -64,19 +64,11 @@ def map_by_key(
 ) -> Iterator[Result]:
     """The results in the order of the jobs, each as soon as it and those before it are there.
 
-    Parameters
-    ----------
-    executor
-        Runs the jobs, and hands the results on in whatever order.
-    name
-        The executor as errors call it.
+    `executor`: runs the jobs, and hands the results on in whatever order. `name`: the executor as errors call
+    it.
 
-    Raises
-    ------
-    ContractBroken
-        When the executor gives a result twice, one that belongs to no job, or none for a job.
-    Exception
-        What a job raised, unchanged.
+    Raises `ContractBroken` when the executor gives a result twice, one that belongs to no job, or none for a
+    job. What a job raised leaves it unchanged.
     """
     early: dict[int, Result] = {}
     done, this_round = 0, next(_rounds)
@@ -119,8 +111,6 @@ class GuardedExecutor:
         The executor of a recipe or of a host.
     use
         The component; None for one of the host's own, which is called by its class.
-    distribution
-        The distribution it comes from.
     """
 
     Config: ClassVar[type[Settings]] = Settings
@@ -163,12 +153,8 @@ def executor_of_run(
 ) -> Iterator[GuardedExecutor]:
     """The executor of a host, which stays open, or else that of a recipe, made here and closed at the end.
 
-    Parameters
-    ----------
-    host
-        An executor that stands for the recipe's; None for none.
-    make, use, distribution
-        Makes the recipe's; the component it is, and where that comes from.
+    `host`: an executor that stands for the recipe's; None for none. `make`, `use`, `distribution`: makes the
+    recipe's; the component it is, and where that comes from.
     """
     if host is not None:
         yield GuardedExecutor.of_host(host)

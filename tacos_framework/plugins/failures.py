@@ -15,26 +15,15 @@ WITHOUT_VARIABLE = "TACOS_WITHOUT"
 
 @dataclass(frozen=True)
 class PluginFailure:
-    """A plugin, or something it offers, that cannot be used.
-
-    Parameters
-    ----------
-    plugin
-        Name of the distribution, entry point or module.
-    reason
-        What went wrong, in a sentence.
-    error
-        The exception it raised, unchanged; None when the framework refused it.
-    uses
-        The components that are lost by it, as far as they are known.
-    remedy
-        What to do about it.
-    """
+    """A plugin, or something it offers, that cannot be used."""
 
     plugin: str
+    """Name of the distribution, entry point or module."""
     reason: str
     error: BaseException | None = None
+    """The exception it raised, unchanged; None when the framework refused it."""
     uses: tuple[str, ...] = ()
+    """The components that are lost by it, as far as they are known."""
     remedy: str = "Update or uninstall it."
 
 

@@ -16,21 +16,14 @@ _CULPRIT = "tacos_culprit"
 
 @dataclass(frozen=True)
 class Culprit:
-    """The component that was at work when an error arose.
-
-    Parameters
-    ----------
-    use
-        The component, ``kind.name``.
-    distribution
-        The distribution it comes from; None where it was registered by hand.
-    doing
-        What it was called for, e.g. ``"capture"``.
-    """
+    """The component that was at work when an error arose."""
 
     use: str
+    """The component, ``kind.name``."""
     distribution: str | None = None
+    """The distribution it comes from; None where it was registered by hand."""
     doing: str = ""
+    """What it was called for, e.g. ``"capture"``."""
 
     @property
     def name(self) -> str:

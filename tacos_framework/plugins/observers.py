@@ -17,21 +17,14 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Observer:
-    """A plugin that listens to studies.
-
-    Parameters
-    ----------
-    name
-        Name of the entry point, module or object.
-    distribution
-        The distribution it comes from; None where it was registered by hand.
-    hooks
-        What it listens to, by the name of the hook.
-    """
+    """A plugin that listens to studies."""
 
     name: str
+    """Name of the entry point, module or object."""
     distribution: str | None
+    """The distribution it comes from; None where it was registered by hand."""
     hooks: dict[str, Callable[..., Any]]
+    """What it listens to, by the name of the hook."""
 
     def __str__(self) -> str:
         return f"{self.name} of {self.distribution}" if self.distribution else self.name
@@ -89,10 +82,7 @@ def _plain_keys(
 ) -> dict[str, Any]:
     """Answers of a hook, as plain data.
 
-    Raises
-    ------
-    ValueError, TypeError
-        When it is no mapping, has a key of another, or holds what JSON cannot.
+    Raises `ValueError` or `TypeError` when it is no mapping, has a key of another, or holds what JSON cannot.
     """
     keys: dict[str, Any] = {}
     for answer in listen(**told):

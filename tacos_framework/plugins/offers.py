@@ -124,10 +124,7 @@ class Offers:
     def commands(self, taken: tuple[str, ...] = ()) -> list[Command]:
         """The commands of ``tacos`` of plugins, by name, without those whose name is not theirs alone.
 
-        Parameters
-        ----------
-        taken
-            Names the host has given already.
+        `taken`: names the host has given already.
         """
         offers: dict[str, list[tuple[HookedPlugin, Command]]] = {}
         for plugin in self._plugins:

@@ -61,12 +61,8 @@ class Registry:
     def absent(self, use: str, kind: str | None, where: str, failures: Sequence[PluginFailure]) -> Fault:
         """Advice for those who ask for a component that is not there.
 
-        Parameters
-        ----------
-        use, kind
-            The name, and the kind of component that is needed.
-        failures
-            The plugins that are broken, one of which may be what is missed.
+        `use`, `kind`: the name, and the kind of component that is needed. `failures`: the plugins that are
+        broken, one of which may be what is missed.
         """
         offers = self._offers.get(use, [])
         if len(offers) > 1:

@@ -9,10 +9,7 @@ from typing import Any
 def effect_names(uses: Sequence[tuple[str, str | None]]) -> tuple[str, ...]:
     """A name for each effect: that it was given, or its component's without the kind, counted if it repeats.
 
-    Parameters
-    ----------
-    uses
-        For each effect its component, and its name where it has one.
+    `uses`: for each effect its component, and its name where it has one.
 
     Examples
     --------

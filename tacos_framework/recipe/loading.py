@@ -24,10 +24,7 @@ from tacos_framework.settings.yaml_writer import to_yaml
 def find_recipe(name: str | Path) -> Path:
     """The file of a recipe: a path, or the name of one that is shipped.
 
-    Raises
-    ------
-    UserError
-        When there is neither.
+    Raises `UserError` when there is neither.
     """
     path = Path(name)
     if path.suffix in (".yaml", ".yml") or path.is_file():
@@ -105,10 +102,7 @@ def read_any_recipe(
 def _as_document(written: Mapping[str, Any]) -> Document:
     """A mapping as if it had been read from a file.
 
-    Raises
-    ------
-    UserError
-        When it holds what no YAML file can.
+    Raises `UserError` when it holds what no YAML file can.
     """
     try:
         text = to_yaml(dict(written))
@@ -131,17 +125,11 @@ def load_recipe(
 ) -> Recipe | ProcedureRecipe:
     """Read a recipe by path, by the name of a shipped one, or from what its file would hold.
 
-    Parameters
-    ----------
-    name
-        Path, name such as ``"headset_quick"``, or a mapping with the keys of a recipe.
-    sets
-        Dotted keys and the values to put there, e.g. ``{"optimizer.generations": 2}``.
+    `name`: path, name such as ``"headset_quick"``, or a mapping with the keys of a recipe. `sets`: dotted
+    keys and the values to put there, e.g. ``{"optimizer.generations": 2}``.
 
-    Raises
-    ------
-    UserError
-        With every fault of its form. Components and wiring are checked by `tacos_framework.run`.
+    Raises `UserError` with every fault of its form. Components and wiring are checked by
+    `tacos_framework.run`.
     """
     recipe, faults = read_any_recipe(name, sets, effects)
     if faults:

@@ -12,10 +12,7 @@ _QUOTED = re.compile(r"\{([\w.-]+)\}")
 def quoting(note: str, recipe: Mapping[str, Any]) -> str:
     """The note with every ``{dotted.key}`` replaced by the recipe's value.
 
-    Raises
-    ------
-    ValueError
-        Where a key is not in the recipe, or stands for more than one value.
+    Raises `ValueError` where a key is not in the recipe, or stands for more than one value.
 
     Examples
     --------

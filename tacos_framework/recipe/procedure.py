@@ -29,30 +29,16 @@ _Heading: type[Settings] = create_model("_Heading", __base__=Settings, **_SHARED
 
 @dataclass(frozen=True)
 class ProcedureRecipe(Written):
-    """A procedure and its settings.
-
-    Parameters
-    ----------
-    use
-        The component, ``procedure.NAME``.
-    settings
-        Its settings, as plain data.
-    name
-        What the run is called.
-    seed
-        Everything random follows from it.
-    executor
-        Where work is done.
-    notes
-        What a reader of the results should know.
-    """
+    """A procedure and its settings."""
 
     use: str
+    """The component, ``procedure.NAME``."""
     settings: Mapping[str, Any]
     name: str = ""
     seed: int = 0
     executor: Use | None = None
     notes: tuple[str, ...] = ()
+    """What a reader of the results should know."""
     document: Document | None = None
 
     @property

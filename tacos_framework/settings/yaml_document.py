@@ -25,22 +25,6 @@ class Position(NamedTuple):
 class Document:
     """The value of a YAML text, with positions.
 
-    Parameters
-    ----------
-    data
-        Nested `dict` (text keys), `list`, `str`, `int`, `float`, `bool` and None.
-    positions
-        For the path of each entry its position: of the key in a mapping, of the item in a list. A path is
-        the keys and list indices on the way from the root, which is ``()``.
-    name
-        What to call the text in messages, usually its file.
-    elsewhere
-        What to call, in messages, entries that were put there from elsewhere, such as the command line.
-    faults
-        What the text says that was refused, where the rest can still be looked at.
-    unread
-        Paths of the values among it that were read as None, for want of a better one.
-
     Examples
     --------
     >>> from tacos_framework.settings.yaml_reader import read_yaml
@@ -52,11 +36,19 @@ class Document:
     """
 
     data: Any
+    """Nested `dict` (text keys), `list`, `str`, `int`, `float`, `bool` and None."""
     positions: Mapping[tuple[str | int, ...], Position]
+    """For the path of each entry its position: of the key in a mapping, of the item in a list. A path is the
+    keys and list indices on the way from the root, which is ``()``.
+    """
     name: str
+    """What to call the text in messages, usually its file."""
     elsewhere: Mapping[tuple[str | int, ...], str] = field(default_factory=dict)
+    """What to call, in messages, entries that were put there from elsewhere, such as the command line."""
     faults: tuple[Fault, ...] = ()
+    """What the text says that was refused, where the rest can still be looked at."""
     unread: frozenset[tuple[str | int, ...]] = frozenset()
+    """Paths of the values among it that were read as None, for want of a better one."""
 
     def where(self, path: Sequence[str | int] = ()) -> str:
         """``name:line:column`` of the entry, or of its nearest ancestor that exists.

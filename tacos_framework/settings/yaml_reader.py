@@ -65,10 +65,7 @@ def read_yaml(source: Path | str, name: str | None = None, *, aliases: bool = Fa
 def read_yaml_draft(source: Path | str, name: str | None = None, *, aliases: bool = False) -> Document:
     """As `read_yaml`, where what was refused is looked at together with other faults.
 
-    Raises
-    ------
-    UserError
-        When there is no document to look at: the file cannot be read, or is not YAML.
+    Raises `UserError` when there is no document to look at: the file cannot be read, or is not YAML.
     """
     if isinstance(source, Path):
         name = str(source) if name is None else name

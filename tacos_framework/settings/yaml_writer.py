@@ -27,12 +27,8 @@ _Dumper.add_representer(str, _Dumper.represent_text)
 def to_yaml(data: Any, *, flow_style: bool | None = False) -> str:
     """The text of `data`: nested dicts, lists, strings, numbers, truth values and None.
 
-    Parameters
-    ----------
-    data
-        What is written; dictionaries keep their order.
-    flow_style
-        None writes the innermost lists and dictionaries on one line.
+    `data`: what is written; dictionaries keep their order. `flow_style`: None writes the innermost lists and
+    dictionaries on one line.
 
     Examples
     --------

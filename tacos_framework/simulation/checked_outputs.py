@@ -19,15 +19,9 @@ def checked_output(component: str, value: Any) -> Any:
     lists and mappings of them, must be finite too. Frames are whole numbers, which their own type checks; the
     values of plugins' own types are theirs to check.
 
-    Parameters
-    ----------
-    component
-        Its name in messages.
+    `component`: its name in messages.
 
-    Raises
-    ------
-    ContractBroken
-        When it cannot; the message says what is wrong and where it begins.
+    Raises `ContractBroken` when it cannot; the message says what is wrong and where it begins.
     """
     match value:
         case Capture():
@@ -49,10 +43,8 @@ def checked_output(component: str, value: Any) -> Any:
 def checked_scores(component: str, scores: Any) -> dict[str, float]:
     """The scores a task reports, if they are numbers by name.
 
-    Raises
-    ------
-    ContractBroken
-        When they are not, or one is not finite: a score without meaning in an episode is left out.
+    Raises `ContractBroken` when they are not, or one is not finite: a score without meaning in an episode is
+    left out.
     """
     if not isinstance(scores, Mapping):
         raise ContractBroken(f"{component} reports {scores!r} where scores by name are expected")

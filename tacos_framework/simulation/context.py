@@ -23,42 +23,26 @@ from tacos_framework.values import Episode, Exposure, FrameBatch, Rig
 
 @dataclass(frozen=True)
 class EvaluationContext:
-    """A candidate, ready to be simulated.
-
-    Parameters
-    ----------
-    exposure
-        How long and how wide they open.
-    scenario
-        The surroundings, with what the candidate sets of them.
-    components
-        The component of each node, built with the candidate's settings; of sensors and effects as placed
-        (`PlacedSensor`, `PlacedEffect`).
-    overrides
-        The candidate's settings, by node.
-    formation
-        Image formation, with the effects that hold for all images.
-    kept
-        Episodes made lately, shared by the evaluations of a simulation.
-    key
-        Content key of the candidate's values.
-    clock
-        Takes the time of each node.
-    store
-        Keeps episodes for other processes and studies, where there is one.
-    """
+    """A candidate, ready to be simulated."""
 
     plan: Plan
     rig: Rig
     exposure: Exposure
     scenario: Scenario
+    """The surroundings, with what the candidate sets of them."""
     components: Mapping[str, Any]
+    """The component of each node, built with the candidate's settings; of sensors and effects as placed
+    (`PlacedSensor`, `PlacedEffect`).
+    """
     overrides: Mapping[str, Mapping[str, Any]]
     formation: ImageFormation
+    """Image formation, with the effects that hold for all images."""
     kept: LRUCache[Episode]
+    """Episodes made lately, shared by the evaluations of a simulation."""
     key: str
     clock: Clock
     store: EpisodeStore | None = None
+    """Keeps episodes for other processes and studies, where there is one."""
 
     def episode(self, scene: str, spec: EpisodeSpec) -> Episode:
         """The episode of a scene node that a spec names."""

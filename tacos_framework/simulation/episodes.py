@@ -11,28 +11,20 @@ from tacos_framework.values import Episode
 
 @dataclass(frozen=True)
 class EpisodeSpec:
-    """Names an episode: the same spec gives the same world, path and noise, in any process.
-
-    Parameters
-    ----------
-    seed
-        Seed of the study or of its test scenes.
-    name
-        What the episode is for, e.g. ``("design", 3, 0)``.
-    frames
-        Number of frames; None leaves it to the scene.
-    block
-        Which part of the episode to score by itself, counted from 0, of how many equal parts.
-    scenario
-        The scenario it is seen in, where the recipe has several; None for each of them in turn. World, path
-        and noise are the same in all, the light is not.
-    """
+    """Names an episode: the same spec gives the same world, path and noise, in any process."""
 
     seed: int
+    """Seed of the study or of its test scenes."""
     name: tuple[str | int, ...]
+    """What the episode is for, e.g. ``("design", 3, 0)``."""
     frames: int | None = None
+    """Number of frames; None leaves it to the scene."""
     block: tuple[int, int] = (0, 1)
+    """Which part of the episode to score by itself, counted from 0, of how many equal parts."""
     scenario: str | None = None
+    """The scenario it is seen in, where the recipe has several; None for each of them in turn. World, path
+    and noise are the same in all, the light is not.
+    """
 
     @property
     def world(self) -> Hashable:
@@ -43,10 +35,7 @@ class EpisodeSpec:
 def block_of(episode: Episode, index: int, count: int) -> Episode:
     """One of `count` nearly equal parts of an episode, counted from 0.
 
-    Raises
-    ------
-    UserError
-        When there are fewer frames than parts.
+    Raises `UserError` when there are fewer frames than parts.
     """
     if count > len(episode):
         raise UserError(

@@ -15,76 +15,49 @@ from tacos_framework.plugins import culprit_of
 
 @dataclass(frozen=True)
 class Raised:
-    """The error that ended an evaluation, as text, so that it can travel between processes.
-
-    Parameters
-    ----------
-    component
-        The component it arose in, with its distribution; empty where that is not known.
-    kind
-        Type of the error.
-    """
+    """The error that ended an evaluation, as text, so that it can travel between processes."""
 
     component: str
+    """The component it arose in, with its distribution; empty where that is not known."""
     kind: str
     traceback: str
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """Outcome of one candidate.
-
-    Parameters
-    ----------
-    values
-        Plain values of all variables that were set.
-    derived
-        The rig's derived quantities.
-    scores
-        ``{"node.score": value}``, means over the episodes; empty when it failed.
-    fitness
-        Weighted sum; None when it failed.
-    terms
-        What each score contributes to the fitness.
-    failed
-        Why there is no fitness, in a sentence.
-    episodes
-        Scores and fitness of each episode by itself, so that cameras can be compared episode by episode.
-        They stay where it failed only because none of them gives a score that the fitness takes.
-    seconds
-        Time spent in each node [s].
-    states
-        States of the trainable tasks after training on this candidate.
-    cached
-        Taken from an earlier, equal evaluation.
-    scenario_episodes
-        Where there are several scenarios, the scores of each episode in each of them.
-    scenarios
-        Then also the scores and the fitness of each scenario by itself.
-    raised
-        The error behind `failed`, where a component has a defect rather than nothing to say.
-    broken
-        By how much it breaks each constraint, as `DesignProblem.broken` has it; nothing was rendered then.
-    episode_numbers
-        Which of the episodes of the study those are, counted from 0; empty where nobody counts them.
-    """
+    """Outcome of one candidate."""
 
     values: Mapping[str, Any]
+    """Plain values of all variables that were set."""
     derived: Mapping[str, float] = field(default_factory=dict)
     scores: Scores = field(default_factory=dict)
+    """``{"node.score": value}``, means over the episodes; empty when it failed."""
     fitness: float | None = None
+    """Weighted sum; None when it failed."""
     terms: Mapping[str, float] = field(default_factory=dict)
     failed: str | None = None
+    """Why there is no fitness, in a sentence."""
     episodes: tuple[Mapping[str, float], ...] = ()
+    """Scores and fitness of each episode by itself, so that cameras can be compared episode by episode. They
+    stay where it failed only because none of them gives a score that the fitness takes.
+    """
     images: int = 0
     seconds: Mapping[str, float] = field(default_factory=dict)
+    """Time spent in each node [s]."""
     states: Mapping[str, State] = field(default_factory=dict)
+    """States of the trainable tasks after training on this candidate."""
     cached: bool = False
+    """Taken from an earlier, equal evaluation."""
     raised: Raised | None = None
+    """The error behind `failed`, where a component has a defect rather than nothing to say."""
     scenario_episodes: Mapping[str, Sequence[Scores]] = field(default_factory=dict)
+    """Where there are several scenarios, the scores of each episode in each of them."""
     scenarios: Mapping[str, Scores] = field(default_factory=dict)
+    """Then also the scores and the fitness of each scenario by itself."""
     broken: Mapping[str, float] = field(default_factory=dict)
+    """By how much it breaks each constraint, as `DesignProblem.broken` has it; nothing was rendered then."""
     episode_numbers: tuple[int, ...] = ()
+    """Which of the episodes of the study those are, counted from 0; empty where nobody counts them."""
 
     @property
     def scores_by_episode(self) -> dict[int, dict[str, float]]:
@@ -123,10 +96,7 @@ def failed_by(evaluation: Evaluation, error: BaseException) -> Evaluation:
 def with_fitness(evaluation: Evaluation, fitness: Fitness) -> Evaluation:
     """An evaluation with scores, fitness and terms from the scores of its episodes.
 
-    Raises
-    ------
-    CandidateFailed
-        When no episode reports a score that the fitness takes.
+    Raises `CandidateFailed` when no episode reports a score that the fitness takes.
     """
     if evaluation.scenario_episodes:
         return _with_fitness_in_scenarios(evaluation, fitness)
@@ -187,13 +157,8 @@ def _episode_with_fitness(scores: Scores, fitness: Fitness) -> dict[str, float]:
 def merged_evaluation(partials: Sequence[Evaluation], fitness: Fitness) -> Evaluation:
     """One evaluation of what separate jobs did for a candidate, in their order.
 
-    Parameters
-    ----------
-    partials
-        Training, or scores of some episodes, with the fitness left open. One that failed fails the whole,
-        as do episodes that together do not give every score the fitness takes.
-    fitness
-        The weighted sum of scores.
+    `partials`: training, or scores of some episodes, with the fitness left open. One that failed fails the
+    whole, as do episodes that together do not give every score the fitness takes.
     """
     seconds: dict[str, float] = {}
     for partial in partials:

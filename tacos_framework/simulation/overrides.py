@@ -11,18 +11,12 @@ from tacos_framework.plan import ConfiguredComponent, target_of
 
 @dataclass(frozen=True)
 class SettingOverrides:
-    """Settings that a candidate replaces, by the name of a node or effect.
-
-    Parameters
-    ----------
-    settings
-        ``{name: {setting: value}}``, for all cameras.
-    by_camera
-        ``{name: {camera: {setting: value}}}``, for one camera on top of those.
-    """
+    """Settings that a candidate replaces, by the name of a node or effect."""
 
     settings: dict[str, dict[str, Any]] = field(default_factory=dict)
+    """``{name: {setting: value}}``, for all cameras."""
     by_camera: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
+    """``{name: {camera: {setting: value}}}``, for one camera on top of those."""
 
     def parts(
         self, name: str, part: ConfiguredComponent
@@ -37,20 +31,14 @@ class SettingOverrides:
 
 @dataclass(frozen=True)
 class Overrides:
-    """Settings of a candidate beside the variables of the rig.
-
-    Parameters
-    ----------
-    nodes, effects, exposure
-        Settings of nodes, of the effects of the recipe, and of its exposure control.
-    scenarios
-        ``{name: {key: value}}``; what holds for all of them stands under ``""``.
-    """
+    """Settings of a candidate beside the variables of the rig."""
 
     nodes: SettingOverrides = field(default_factory=SettingOverrides)
     effects: SettingOverrides = field(default_factory=SettingOverrides)
     exposure: SettingOverrides = field(default_factory=SettingOverrides)
+    """Settings of nodes, of the effects of the recipe, and of its exposure control."""
     scenarios: dict[str, dict[str, Any]] = field(default_factory=dict)
+    """``{name: {key: value}}``; what holds for all of them stands under ``""``."""
 
     def of_scenario(self, name: str) -> dict[str, Any]:
         """Settings of a scenario; its own take precedence over those of all."""
@@ -60,12 +48,8 @@ class Overrides:
 def overrides_of(values: Mapping[str, Any], effects: Sequence[str]) -> Overrides:
     """Sort a candidate's values by what they set.
 
-    Parameters
-    ----------
-    values
-        Plain values by the names of design variables.
-    effects
-        Names of the recipe's effects, in its order.
+    `values`: plain values by the names of design variables. `effects`: names of the recipe's effects, in its
+    order.
 
     Examples
     --------

@@ -13,16 +13,9 @@ from tacos_framework.simulation.episodes import EpisodeSpec
 def score(context: EvaluationContext, spec: EpisodeSpec, states: Mapping[str, State]) -> tuple[Scores, int]:
     """Show an episode to all tasks.
 
-    Parameters
-    ----------
-    spec
-        The episode, of every scene of the graph.
-    states
-        States of the tasks that learn.
+    `spec`: the episode, of every scene of the graph.
 
-    Returns
-    -------
-    ``{"node.score": value}``, and how many images were rendered.
+    Returns: ``{"node.score": value}``, and how many images were rendered.
     """
     graph = context.plan.graph
     scores: dict[str, float] = {}

@@ -22,10 +22,7 @@ _TRIES = 200
 def not_shown(contexts: Mapping[str, EvaluationContext]) -> dict[str, str]:
     """Why a candidate, in each of its scenarios, is not what the scenes can show.
 
-    Returns
-    -------
-    dict
-        A word or two -> a sentence.
+    Returns: a word or two -> a sentence.
     """
     reasons: dict[str, str] = {}
     for context in contexts.values():

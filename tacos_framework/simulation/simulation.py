@@ -81,18 +81,8 @@ class Simulation:
         of a component fails the candidate too, or passes unchanged where the recipe has ``on_error: stop``.
         What is wrong with the recipe, and shows only now, passes always.
 
-        Parameters
-        ----------
-        values
-            Plain values of its design variables.
-        episodes
-            What it is scored on.
-        states
-            States of the trainable tasks before it.
-        training
-            What they train on first; None leaves them as they are.
-        partial
-            The episodes are but a part of those it is to be scored by: its fitness is left open.
+        `training`: what they train on first; None leaves them as they are. `partial`: the episodes are but a
+        part of those it is to be scored by: its fitness is left open.
         """
         clock = Clock()
         evaluation = Evaluation(values=values)

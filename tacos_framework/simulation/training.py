@@ -23,18 +23,11 @@ KEPT_BYTES = 512 * 2**20
 
 @dataclass
 class RenderedFrames:
-    """The first batches of an episode, and how to go on behind them.
-
-    Parameters
-    ----------
-    batches
-        The batches, scenarios in turn.
-    draws
-        Those of each scenario behind its last batch here, with what cameras and effects remember there.
-    """
+    """The first batches of an episode, and how to go on behind them."""
 
     batches: list[FrameBatch] = field(default_factory=list)
     draws: dict[int, EpisodeDraws] = field(default_factory=dict)
+    """Those of each scenario behind its last batch here, with what cameras and effects remember there."""
 
 
 def train(

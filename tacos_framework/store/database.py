@@ -43,19 +43,15 @@ class Database:
     A commit is on the disk when it returns (WAL, ``synchronous=FULL``), so that it outlives the machine's
     power. Where the file system has no shared memory, sqlite writes a rollback journal instead.
 
+    Raises `UserError` when it is no regular file, no database of a run, of another version, or cannot be
+    read. Raises `OSError` or `sqlite3.Error` when it cannot be written.
+
     Parameters
     ----------
     path
         Its file; created where it is missing, unless it is only read.
     read_only
         Whether nothing is written, which needs no permission to.
-
-    Raises
-    ------
-    UserError
-        When it is no regular file, no database of a run, of another version, or cannot be read.
-    OSError, sqlite3.Error
-        When it cannot be written.
     """
 
     def __init__(self, path: Path, *, read_only: bool = False) -> None:
@@ -165,10 +161,7 @@ class Database:
     def check(self) -> None:
         """Check the whole of it.
 
-        Raises
-        ------
-        UserError
-            With the first thing that is not as it was written.
+        Raises `UserError` with the first thing that is not as it was written.
         """
         with self._reading():
             ((found,),) = self._connection.execute("PRAGMA quick_check(1)")

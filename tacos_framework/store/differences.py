@@ -15,19 +15,14 @@ _LONGEST = 60
 def differences(before: Any, now: Any, name: str = "") -> Iterator[str]:
     """Sentences on the values that differ, each with its dotted key.
 
-    Parameters
-    ----------
-    before, now
-        Plain data, such as recipes.
-    name
-        What it is called, where it is not the top.
+    `before`, `now`: plain data, such as recipes. `name`: what it is called, where it is not the top.
 
     Examples
     --------
     >>> before = {"seed": 7, "study": {"episodes": 2}, "effects": [{"use": "effect.jpeg"}]}
     >>> list(differences(before, {"seed": 8, "study": {"episodes": 2, "blocks": 3}, "effects": []}))
     ['effects.0 was {"use": "effect.jpeg"}, and is not given', 'seed was 7, and is 8 now', \
-'study.blocks was not given, and is 3 now']
+    dy.blocks was not given, and is 3 now']
     """
     if before == now:
         return

@@ -169,10 +169,7 @@ class RunFolder:
     def read_json(self, name: str) -> dict[str, Any] | None:
         """The value that `write_json` has written; None if there is none.
 
-        Raises
-        ------
-        UserError
-            When it is not as it was written.
+        Raises `UserError` when it is not as it was written.
         """
         path = self.folder / name
         return read_run_file(path, json_object, self._recorded(name)) if path.exists() else None
@@ -213,12 +210,7 @@ class RunFolder:
     def write_state(self, name: str, state: State, about: Mapping[str, str] | None = None) -> None:
         """Keep the state of a trainable task under ``weights/``.
 
-        Parameters
-        ----------
-        name
-            That of the file, without its ending.
-        about
-            Goes into the file's header.
+        `name`: that of the file, without its ending. `about`: goes into the file's header.
         """
         arrays = {key: np.ascontiguousarray(value) for key, value in state.items()}
         self._write(_weights(name), save(arrays, metadata=dict(about) if about else None))
@@ -226,10 +218,7 @@ class RunFolder:
     def read_state(self, name: str) -> State:
         """A state kept by `write_state`.
 
-        Raises
-        ------
-        UserError
-            When the file is not as it was written.
+        Raises `UserError` when the file is not as it was written.
         """
         path = self.folder / _weights(name)
         recorded = self._recorded(_weights(name))

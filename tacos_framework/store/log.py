@@ -47,15 +47,12 @@ def logging_to(file: LogFile, packages: Iterable[str]) -> Iterator[None]:
 class LogFile(logging.FileHandler):
     """A log that goes quiet where it cannot be written; the run says what is wrong, and the log need not.
 
+    Raises `OSError` when it cannot be opened.
+
     Parameters
     ----------
     path
         The file, to which is appended.
-
-    Raises
-    ------
-    OSError
-        When it cannot be opened.
     """
 
     def __init__(self, path: Path) -> None:

@@ -16,30 +16,21 @@ NAMED = 5
 
 
 class Manifest(BaseModel):
-    """Dependencies of a run's results beside its recipe. Machine and place are no part of it.
-
-    Parameters
-    ----------
-    packages
-        Versions of the packages that tacos-framework needs, and of the distributions of plugins.
-    code
-        For each Python package whose components are used, the checksums of its files.
-    catalogs
-        For each catalog that is chosen from, the content keys of its parts; for products theirs.
-    files
-        Checksums of the files that settings name (``detect.weights: FILE``), folders file by file.
-    accepted
-        What had changed, in sentences, each time the run went on with ``--accept-changes``.
-    """
+    """Dependencies of a run's results beside its recipe. Machine and place are no part of it."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     python: str
     packages: dict[str, str]
+    """Versions of the packages that tacos-framework needs, and of the distributions of plugins."""
     code: dict[str, dict[str, str]]
+    """For each Python package whose components are used, the checksums of its files."""
     catalogs: dict[str, dict[str, str]]
+    """For each catalog that is chosen from, the content keys of its parts; for products theirs."""
     files: dict[str, str]
+    """Checksums of the files that settings name (``detect.weights: FILE``), folders file by file."""
     accepted: tuple[tuple[str, ...], ...] = ()
+    """What had changed, in sentences, each time the run went on with ``--accept-changes``."""
 
     def changes(self, now: Manifest) -> list[str]:
         """Differences to now, a sentence each."""

@@ -52,11 +52,8 @@ def digest(data: bytes) -> str:
 def file_of_run(path: Path, recorded: str | None = None) -> bytes:
     """The bytes of a file of a run.
 
-    Raises
-    ------
-    DamagedError
-        When it is not there, is no regular file, cannot be read, is too large, or has not the digest that
-        was recorded.
+    Raises `DamagedError` when it is not there, is no regular file, cannot be read, is too large, or has not
+    the digest that was recorded.
     """
     limit = _LIMITS.get(path.suffix, "text_mb")
     most = limits().bytes_of(limit)
@@ -79,17 +76,10 @@ def file_of_run(path: Path, recorded: str | None = None) -> bytes:
 def read_run_file(path: Path, parse: Callable[[bytes], Content], recorded: str | None = None) -> Content:
     """The content of a run's file, checked against its digest.
 
-    Parameters
-    ----------
-    parse
-        Turns its bytes into what they mean; raises DamagedError where they do not.
-    recorded
-        The digest that it must have; that in the database of its folder, if there is one, when left out.
+    `parse`: turns its bytes into what they mean; raises DamagedError where they do not. `recorded`: the
+    digest that it must have; that in the database of its folder, if there is one, when left out.
 
-    Raises
-    ------
-    UserError
-        When it is damaged.
+    Raises `UserError` when it is damaged.
     """
     if recorded is None and (path.parent / DATABASE).exists():
         with Database(path.parent / DATABASE, read_only=True) as database:
@@ -103,10 +93,7 @@ def read_run_file(path: Path, parse: Callable[[bytes], Content], recorded: str |
 def json_object(data: bytes) -> dict[str, Any]:
     """The mapping in a JSON object.
 
-    Raises
-    ------
-    DamagedError
-        When it is none.
+    Raises `DamagedError` when it is none.
     """
     try:
         value = json.loads(data)
@@ -121,10 +108,7 @@ def json_object(data: bytes) -> dict[str, Any]:
 def read_run_json(path: Path) -> dict[str, Any]:
     """``result.json`` or another JSON file of a run, of earlier versions as well.
 
-    Raises
-    ------
-    UserError
-        When it cannot be read, or is not as the run left it.
+    Raises `UserError` when it cannot be read, or is not as the run left it.
     """
     return read_run_file(path, json_object)
 
@@ -132,10 +116,7 @@ def read_run_json(path: Path) -> dict[str, Any]:
 def read_result(folder: Path) -> dict[str, Any]:
     """The ``result.json`` of a run, of earlier versions as well.
 
-    Raises
-    ------
-    UserError
-        When the folder has none, it cannot be read, or is not as the run left it.
+    Raises `UserError` when the folder has none, it cannot be read, or is not as the run left it.
     """
     path = folder / RESULT
     if not path.exists():
@@ -149,10 +130,7 @@ def read_run_lines(path: Path) -> list[dict[str, Any]]:
 
     They come from the database of its folder, if there is one. A last line that was cut short is left out.
 
-    Raises
-    ------
-    UserError
-        When they cannot be read, or are not as the run left them.
+    Raises `UserError` when they cannot be read, or are not as the run left them.
     """
     if (path.parent / DATABASE).exists():
         with Database(path.parent / DATABASE, read_only=True) as database:

@@ -48,17 +48,9 @@ class Results(RunFolder):
     def create(cls, folder: Path, recipe: Mapping[str, Any], *, resumable: bool = False) -> Results:
         """Start a new run in a folder that does not exist yet or holds nothing that a run computed.
 
-        Parameters
-        ----------
-        folder
-            That of the run.
-        resumable
-            Whether a run of it can be gone on with from its recipe alone, without a checkpoint.
+        `resumable`: whether a run of it can be gone on with from its recipe alone, without a checkpoint.
 
-        Raises
-        ------
-        UserError
-            When something is there already, or the folder cannot be written.
+        Raises `UserError` when something is there already, or the folder cannot be written.
         """
         with _closed_on_error(cls(folder)) as results:
             with results.writing(remedy=_ANOTHER):
@@ -85,19 +77,10 @@ class Results(RunFolder):
     ) -> tuple[Results, dict[str, Any] | None]:
         """Go on with a run: the folder and its last checkpoint, None when it had not got that far.
 
-        Parameters
-        ----------
-        folder
-            That of the run.
-        recipe
-            What it is to go on with; where it runs (``executor``) may have changed.
-        comparable
-            What of a recipe must not have changed; all of it by default.
+        `recipe`: what it is to go on with; where it runs (``executor``) may have changed. `comparable`: what
+        of a recipe must not have changed; all of it by default.
 
-        Raises
-        ------
-        UserError
-            When there is no run there, it is one of another recipe, or its files are damaged.
+        Raises `UserError` when there is no run there, it is one of another recipe, or its files are damaged.
         """
         with _closed_on_error(cls(folder)) as results:
             return results, results._checkpoint_of(recipe, comparable)
@@ -192,10 +175,7 @@ class Results(RunFolder):
 def read_recipe(folder: Path) -> dict[str, Any]:
     """The resolved recipe of the run in a folder.
 
-    Raises
-    ------
-    UserError
-        When it cannot be read, or is not as the run left it.
+    Raises `UserError` when it cannot be read, or is not as the run left it.
     """
     path = folder / RECIPE
     text = read_run_file(path, lambda data: data.decode(errors="replace"))

@@ -26,10 +26,6 @@ class Checkpoints:
 
     Parameters
     ----------
-    results
-        The folder of the run.
-    journal
-        What was evaluated since the last checkpoint.
     line_files
         The files that get a line for each generation.
     """
@@ -42,12 +38,7 @@ class Checkpoints:
     def write(self, searches: Sequence[Search], rest: Callable[[], Mapping[str, Any]], *, now: bool) -> None:
         """Write a checkpoint, unless the last one is so fresh that the time is better spent otherwise.
 
-        Parameters
-        ----------
-        searches
-            Those of the study.
-        rest
-            Gives what else there is to keep.
+        `rest`: gives what else there is to keep.
         """
         began = time.monotonic()
         if not now and began < self._not_before_s:
@@ -80,14 +71,9 @@ class Checkpoints:
     def restore(self, checkpoint: Mapping[str, Any] | None, searches: Sequence[Search]) -> float:
         """Take up searches and files from a checkpoint, or from the start.
 
-        Raises
-        ------
-        UserError
-            When a file is damaged, or the checkpoint is of other searches.
+        Raises `UserError` when a file is damaged, or the checkpoint is of other searches.
 
-        Returns
-        -------
-        The time that had been spent as the journal has it [s].
+        Returns: the time that had been spent as the journal has it [s].
         """
         left = self._journal.entries()
         seconds = max((kept.seconds for kept in left), default=0.0)

@@ -7,13 +7,7 @@ from tacos_framework.study.search import Search
 
 
 def degenerate(designed: Search, recipe: Recipe) -> str | None:
-    """Why this study may name no winner, in a sentence that says what to do; None where it may.
-
-    Parameters
-    ----------
-    designed
-        The search of the designed camera.
-    """
+    """Why this study may name no winner, in a sentence that says what to do; None where it may."""
     if designed.best is None:
         reason = designed.last_failure or designed.stopped or "nothing was evaluated"
         remedy = "Widen design: or loosen constraints:" if designed.broken_in_a_row else "log.txt says more"

@@ -37,21 +37,10 @@ def without_budget(recipe: Mapping[str, Any], optimizer: ConfiguredComponent) ->
 def for_resuming(recipe: Recipe, folder: Path, plugins: Plugins, extend: Mapping[str, int]) -> Recipe:
     """The recipe to go on with: as long as the run in the folder was extended to already, and longer.
 
-    Parameters
-    ----------
-    recipe
-        As it was begun with, or as it was extended to.
-    folder
-        That of the run.
-    plugins
-        Those that offer its optimizer.
-    extend
-        By how much to raise which setting of the optimizer: ``{"generations": 10}``.
+    `recipe`: as it was begun with, or as it was extended to. `extend`: by how much to raise which setting of
+    the optimizer: ``{"generations": 10}``.
 
-    Raises
-    ------
-    UserError
-        When the optimizer cannot be extended by that setting, or the run cannot be read.
+    Raises `UserError` when the optimizer cannot be extended by that setting, or the run cannot be read.
     """
     optimizer = plugins.resolve(recipe.optimizer.use, "optimizer", where=recipe.where(("optimizer", "use")))
     name = budget_setting(optimizer)

@@ -51,10 +51,8 @@ class FailuresInARow:
     def saw(self, evaluation: Evaluation, limit: int = IN_A_ROW) -> None:
         """Take in the next evaluation.
 
-        Raises
-        ------
-        KeepsFailing
-            When it is one too many: the first, where what the user gave is wrong, as all candidates meet it.
+        Raises `KeepsFailing` when it is one too many: the first, where what the user gave is wrong, as all
+        candidates meet it.
         """
         raised = evaluation.raised
         if evaluation.cached or (evaluation.failed and raised is None):
@@ -80,9 +78,6 @@ class FailuresInARow:
 def limit_of(first_generation: int | None) -> int:
     """Failures in a row that end a study, given the number of candidates of its first generation.
 
-    Parameters
-    ----------
-    first_generation
-        Its size; None for later generations.
+    `first_generation`: its size; None for later generations.
     """
     return IN_A_ROW if first_generation is None else min(IN_A_ROW, max(FEWEST, first_generation))

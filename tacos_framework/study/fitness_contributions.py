@@ -23,15 +23,10 @@ def contributions(blocks: Sequence[Scores], fitness: Fitness) -> NDArray[np.floa
 
     over the terms t reported in block b; c_t makes the standard error of a single term that of its m values.
 
-    Parameters
-    ----------
-    blocks
-        Scores of each block; a block leaves out a score that has no meaning there. With several scenarios
-        they are called ``scenario/node.score``.
+    `blocks`: scores of each block; a block leaves out a score that has no meaning there. With several
+    scenarios they are called ``scenario/node.score``.
 
-    Returns
-    -------
-    (n,) float64, or None while a term was reported in fewer than two blocks.
+    Returns: (n,) float64, or None while a term was reported in fewer than two blocks.
 
     Examples
     --------

@@ -21,17 +21,12 @@ from tacos_framework.variables.design_space import Candidate, DesignSpace
 class GuardedOptimizer:
     """An optimizer of a recipe, called as `tacos_framework.contracts.Optimizer` says.
 
+    Raises `ContractBroken` from any method, where the optimizer gives what its contract rules out.
+
     Parameters
     ----------
-    space
-        The variables it searches.
     problem
         What it is told of the problem, if it asks for it.
-
-    Raises
-    ------
-    ContractBroken
-        From any method, where the optimizer gives what its contract rules out.
     """
 
     def __init__(

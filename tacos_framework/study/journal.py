@@ -34,8 +34,6 @@ class Journal:
 
     Parameters
     ----------
-    results
-        The folder of the run.
     seconds
         Gives the time the study has taken so far [s], which is kept with each.
     """
@@ -48,10 +46,7 @@ class Journal:
     def entries(self) -> list[KeptJob]:
         """Journal of a run.
 
-        Raises
-        ------
-        UserError
-            When it is no list of evaluations.
+        Raises `UserError` when it is no list of evaluations.
         """
         with self._results.database() as database:
             return [

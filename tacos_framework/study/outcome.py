@@ -31,25 +31,17 @@ from tacos_framework.study.unseen_test import UnseenTest
 
 @dataclass(frozen=True)
 class Outcome:
-    """Findings of a study so far.
-
-    Parameters
-    ----------
-    searches
-        That of the designed camera first.
-    test
-        What came out on the test scenes; None where the recipe has none.
-    scored_again
-        What analyses had scored.
-    broken_off
-        Why it has not ended; None where it has.
-    """
+    """Findings of a study so far."""
 
     plan: Plan
     searches: Sequence[Search]
+    """That of the designed camera first."""
     test: UnseenTest | None
+    """What came out on the test scenes; None where the recipe has none."""
     scored_again: Sequence[Evaluation]
+    """What analyses had scored."""
     broken_off: str | None
+    """Why it has not ended; None where it has."""
 
     def as_data(self) -> dict[str, Any]:
         """Outcome of the evaluations, as plain data; times, machine and pictures are not in it."""

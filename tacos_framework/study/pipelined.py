@@ -37,14 +37,11 @@ def score_pipelined(
     training, a rendering and one scoring of about equal length, every fourth of two workers' time would pass
     idle. A single worker does one after the other, with the same results.
 
-    Parameters
-    ----------
-    jobs
-        Training on and scoring each candidate, in their order; where the first begins stands in its states.
+    `jobs`: training on and scoring each candidate, in their order; where the first begins stands in its
+    states.
 
-    Yields
-    ------
-    The evaluation of each job. One that fails in training has no states: the next goes on from those before.
+    Yields: the evaluation of each job. One that fails in training has no states: the next goes on from those
+    before.
     """
     states, fitness = dict(jobs[0].states), evaluate.plan.fitness
     waiting: list[_Trained] = []

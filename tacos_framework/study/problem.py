@@ -21,12 +21,7 @@ def design_problem(
 ) -> DesignProblem:
     """The problem of searching what is free in a plan.
 
-    Parameters
-    ----------
-    fixed
-        Plain values of the variables that are not searched, as of a product.
-    weights_learn
-        Whether tasks learn meanwhile.
+    `fixed`: plain values of the variables that are not searched, as of a product.
     """
     study = plan.recipe.study
     fixed = dict(fixed or {})
@@ -54,15 +49,9 @@ def coordinates_of(plan: Plan, values: Mapping[str, Any]) -> dict[str, float]:
     rig that declares nothing, they are what it derives, and its own variables in the same way, of a part from
     a catalog those columns that are known for all parts.
 
-    Parameters
-    ----------
-    values
-        Plain values of all design variables, as `Evaluation.values` has them.
+    `values`: plain values of all design variables, as `Evaluation.values` has them.
 
-    Raises
-    ------
-    ContractBroken
-        When the rig gives what is no number.
+    Raises `ContractBroken` when the rig gives what is no number.
     """
     own, others = _split(plan, values)
     if callable(declared := optional(plan.rig.instance, RigBase, "coordinates")):
@@ -76,13 +65,7 @@ def coordinates_of(plan: Plan, values: Mapping[str, Any]) -> dict[str, float]:
 
 
 def broken_by(plan: Plan, values: Mapping[str, Any]) -> dict[str, float]:
-    """By how much a candidate breaks each constraint, in the unit of its quantity; nothing is rendered.
-
-    Parameters
-    ----------
-    values
-        Plain values of all design variables.
-    """
+    """By how much a candidate breaks each constraint, in the unit of its quantity; nothing is rendered."""
     try:
         derived = plan.derived(values)
     except ValidationError:

@@ -18,97 +18,66 @@ Values = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class ScoredEpisode:
-    """The scores of a camera in one episode.
-
-    Parameters
-    ----------
-    camera
-        Plain values of its variables.
-    episode
-        Names the scene: equal names are equal worlds, paths and draws of noise.
-    scores
-        By ``node.score``; with several scenarios by ``scenario/node.score``.
-    stage
-        What it was scored for: the search, the choice among the finalists, the test, or an analysis.
-    generation
-        The generation of the search, from 0; of later stages the number of generations.
-    """
+    """The scores of a camera in one episode."""
 
     camera: Values
+    """Plain values of its variables."""
     episode: str
+    """Names the scene: equal names are equal worlds, paths and draws of noise."""
     scores: Scores
+    """By ``node.score``; with several scenarios by ``scenario/node.score``."""
     stage: Literal["design", "final", "test", "analysis"]
+    """What it was scored for: the search, the choice among the finalists, the test, or an analysis."""
     generation: int
+    """The generation of the search, from 0; of later stages the number of generations."""
 
 
 @dataclass(frozen=True)
 class StudiedCamera:
-    """The designed camera, or a product.
-
-    Parameters
-    ----------
-    name, title
-        What results and what people call it.
-    camera
-        Plain values of its variables; None where no candidate of it could be scored.
-    free
-        The variables that were searched for it.
-    """
+    """The designed camera, or a product."""
 
     name: str
     title: str
+    """What results and what people call it."""
     camera: Values | None
+    """Plain values of its variables; None where no candidate of it could be scored."""
     free: tuple[str, ...]
+    """The variables that were searched for it."""
 
 
 @dataclass(frozen=True)
 class StudyRecord:
-    """The input of an analysis, which changes none of it.
-
-    Parameters
-    ----------
-    recipe, space, problem
-        What was to be designed, and what is known of it.
-    designed
-        Name of the designed camera among `cameras`.
-    cameras
-        The designed camera first, then the products.
-    episodes
-        Everything that was scored, in the order in which it was.
-    derived, coordinates
-        The rig's derived quantities for plain values, and what images depend on.
-    broken
-        By how much plain values break each constraint; empty where they keep all.
-    unknown
-        Bounded quantities that nobody states for plain values, and that their constraints let pass.
-    score
-        Score further cameras in as many fresh episodes, the same for all; they are rendered now and count.
-        Gives the scores of each camera's episodes, none for one that fails.
-    comparisons
-        What the test scenes tell of the designed camera less each product that was scored on them, by name.
-    failed
-        Cameras without a score, and why in a sentence.
-    degenerate
-        Why no winner may be named, in a sentence; None where one may.
-    objectives
-        Aims to be traded off against each other; none where the fitness alone counts.
-    """
+    """The input of an analysis, which changes none of it."""
 
     recipe: Recipe
     space: DesignSpace
     problem: DesignProblem
+    """What was to be designed, and what is known of it."""
     designed: str
+    """Name of the designed camera among `cameras`."""
     cameras: tuple[StudiedCamera, ...]
+    """The designed camera first, then the products."""
     episodes: tuple[ScoredEpisode, ...]
+    """Everything that was scored, in the order in which it was."""
     derived: Callable[[Values], Mapping[str, float]]
     coordinates: Callable[[Values], Mapping[str, float]]
+    """The rig's derived quantities for plain values, and what images depend on."""
     broken: Callable[[Values], Mapping[str, float]]
+    """By how much plain values break each constraint; empty where they keep all."""
     unknown: Callable[[Values], tuple[str, ...]]
+    """Bounded quantities that nobody states for plain values, and that their constraints let pass."""
     score: Callable[[Sequence[Values], int], list[list[ScoredEpisode]]]
+    """Score further cameras in as many fresh episodes, the same for all; they are rendered now and count.
+    Gives the scores of each camera's episodes, none for one that fails.
+    """
     comparisons: Mapping[str, PairedInterval] = field(default_factory=dict)
+    """What the test scenes tell of the designed camera less each product that was scored on them, by name."""
     failed: Mapping[str, str] = field(default_factory=dict)
+    """Cameras without a score, and why in a sentence."""
     degenerate: str | None = None
+    """Why no winner may be named, in a sentence; None where one may."""
     objectives: tuple[Objective, ...] = ()
+    """Aims to be traded off against each other; none where the fitness alone counts."""
 
     @property
     def products(self) -> tuple[StudiedCamera, ...]:

@@ -123,10 +123,7 @@ Type = TypeVar("Type", bound=BaseModel)
 def checked_type(kind: type[Type], path: Path, what: str, value: Any) -> Type:
     """A value from the database of a run, checked to be of a type.
 
-    Raises
-    ------
-    UserError
-        With the first thing in it that is of another type.
+    Raises `UserError` with the first thing in it that is of another type.
     """
     try:
         return kind.model_validate(value)

@@ -23,18 +23,9 @@ def write_samples(
 ) -> tuple[dict[str, list[str]], dict[str, Exposed]]:
     """Write frames of the first camera of each rig; none of a rig that fails.
 
-    Parameters
-    ----------
-    cameras
-        Plain values of the design variables, by the name of the designed camera or product.
-    episode
-        The episode they all see.
-    results
-        The folder of the run.
+    `cameras`: plain values of the design variables, by the name of the designed camera or product.
 
-    Returns
-    -------
-    Paths within the folder, and how the frames are exposed, by name.
+    Returns: paths within the folder, and how the frames are exposed, by name.
     """
     jobs = [SampleJob(values, episode, SAMPLES_AT) for values in cameras.values()]
     written: dict[str, list[str]] = {}

@@ -16,18 +16,12 @@ FULL = 0.1
 
 @dataclass(frozen=True)
 class ScoreSpread:
-    """Whether a score still tells cameras apart.
-
-    Parameters
-    ----------
-    share_of_variance
-        Variance between cameras, over it and what a scene does to one camera and not to the others, 0..1.
-    value
-        Mean over the cameras, in the score's unit.
-    """
+    """Whether a score still tells cameras apart."""
 
     share_of_variance: float
+    """Variance between cameras, over it and what a scene does to one camera and not to the others, 0..1."""
     value: float
+    """Mean over the cameras, in the score's unit."""
 
     @property
     def full(self) -> bool:
@@ -64,10 +58,7 @@ def share_between(scores: NDArray[np.float64]) -> float:
 def score_spreads(names: Iterable[str], blocks: Sequence[Sequence[Scores]]) -> dict[str, ScoreSpread]:
     """The spread of each score that all cameras have in at least two scenes.
 
-    Parameters
-    ----------
-    blocks
-        For each camera its scores on the same scenes.
+    `blocks`: for each camera its scores on the same scenes.
     """
     found = {}
     for name in names:

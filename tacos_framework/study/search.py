@@ -23,15 +23,10 @@ MOST_BROKEN_IN_A_ROW = 1000
 
 @dataclass
 class Search(SearchState):
-    """One search; `step` takes it one generation further. See `SearchState` for its parameters.
-
-    Parameters
-    ----------
-    design
-        The search whose worlds its tasks train in; None for that search itself.
-    """
+    """One search; `step` takes it one generation further. See `SearchState` for its parameters."""
 
     design: Search | None = None
+    """The search whose worlds its tasks train in; None for that search itself."""
 
     def __post_init__(self) -> None:
         self.optimizer: GuardedOptimizer | None = None
@@ -69,10 +64,7 @@ class Search(SearchState):
         The search is changed only once all are there, so that a break in the middle loses this generation
         and nothing else.
 
-        Raises
-        ------
-        KeepsFailing
-            When candidates fail one after the other by the same defect of a component.
+        Raises `KeepsFailing` when candidates fail one after the other by the same defect of a component.
         """
         asked = self.optimizer.ask() if self.optimizer else []
         if self.optimizer and not asked:

@@ -47,38 +47,19 @@ class EndOfSearch:
 
 @dataclass
 class SearchState:
-    """State of a search.
-
-    Parameters
-    ----------
-    name
-        ``"designed"``, or the camera whose free variables are searched.
-    space
-        The variables to search; None when nothing is free, and the fixed values are evaluated as they are.
-    fixed
-        Values of the other variables, plain.
-    budget
-        Evaluations after which it stops even if the optimizer would go on; None leaves it to the optimizer.
-        Candidates that break a constraint are none.
-    states
-        States of trainable tasks.
-    partly_scored
-        Whether a candidate was scored on some of the episodes only.
-    last_failure
-        Why the last candidate that failed did, in a sentence.
-    failed_alike, common_failure
-        How many candidates in a row failed for the same reason, as far as can be told, and the last reason.
-    finalists
-        The candidates scored once more at the end, on episodes of their own.
-    searched
-        What there was before those were; None while the search goes on.
-    """
+    """State of a search."""
 
     name: str
+    """``"designed"``, or the camera whose free variables are searched."""
     plan: Plan
     space: DesignSpace | None
+    """The variables to search; None when nothing is free, and the fixed values are evaluated as they are."""
     fixed: Mapping[str, Any]
+    """Values of the other variables, plain."""
     budget: int | None
+    """Evaluations after which it stops even if the optimizer would go on; None leaves it to the optimizer.
+    Candidates that break a constraint are none.
+    """
     states: dict[str, State] = field(default_factory=dict)
     generation: int = 0
     n_observed: int = 0
@@ -86,15 +67,20 @@ class SearchState:
     images: int = 0
     stopped: str | None = None
     partly_scored: bool = False
+    """Whether a candidate was scored on some of the episodes only."""
     broken_in_a_row: int = 0
     failed_alike: int = 0
     common_failure: str | None = None
+    """How many candidates in a row failed for the same reason, as far as can be told, and the last reason."""
     last_failure: str | None = None
+    """Why the last candidate that failed did, in a sentence."""
     finalists_rescored: bool = False
     finalists: list[Evaluation] = field(default_factory=list)
+    """The candidates scored once more at the end, on episodes of their own."""
     trained_best: int = 0
     best: Evaluation | None = None
     searched: EndOfSearch | None = None
+    """What there was before those were; None while the search goes on."""
     failing: FailuresInARow = field(default_factory=FailuresInARow)
     candidate_stats: dict[str, CandidateStats] = field(default_factory=dict)
     cache: dict[str, Evaluation] = field(default_factory=dict)

@@ -42,31 +42,21 @@ ALIKE = 1e-12
 
 @dataclass(frozen=True)
 class PairedInterval:
-    """The mean difference of two cameras, and what it decides.
-
-    Parameters
-    ----------
-    difference
-        Mean paired difference [fitness].
-    interval
-        Lower and upper end; None where there are too few scenes to tell.
-    episodes
-        How many scenes it is of.
-    verdict
-        ``better`` or ``worse`` where the interval leaves out zero, ``equivalent`` where all of it lies
-        within the margin, which comes first: what does not matter is no advantage.
-    margin
-        Differences up to this do not matter [fitness].
-    of_scenes
-        The difference on each scene, where it is a sum over scenes.
-    """
+    """The mean difference of two cameras, and what it decides."""
 
     difference: float
+    """Mean paired difference [fitness]."""
     interval: tuple[float, float] | None
+    """Lower and upper end; None where there are too few scenes to tell."""
     episodes: int
     verdict: Verdict
+    """``better`` or ``worse`` where the interval leaves out zero, ``equivalent`` where all of it lies within
+    the margin, which comes first: what does not matter is no advantage.
+    """
     margin: float = 0.0
+    """Differences up to this do not matter [fitness]."""
     of_scenes: tuple[float, ...] = ()
+    """The difference on each scene, where it is a sum over scenes."""
 
     def quantiles(self, shares: NDArray[np.float64]) -> NDArray[np.float64] | None:
         """(n,) values that the true difference is below with (n,) probabilities, by the same statistic.

@@ -17,14 +17,9 @@ def score_sharded(jobs: Sequence[ScoreJob], executor: Executor, evaluate: Evalua
     have an affinity to thus builds each world in one process, and no worker idles where there are more worlds
     than workers.
 
-    Parameters
-    ----------
-    jobs
-        Scoring each camera. Those that train are left whole, as they score with what they learn.
+    `jobs`: scoring each camera. Those that train are left whole, as they score with what they learn.
 
-    Yields
-    ------
-    The evaluation of each job, in their order; the same for any number of workers.
+    Yields: the evaluation of each job, in their order; the same for any number of workers.
     """
     shards = [by_world(job) for job in jobs]
     results = iter(executor.map(evaluate, [shard for of_job in shards for shard in of_job]))

@@ -31,14 +31,9 @@ def evaluate_each_once(
 ) -> tuple[list[Evaluation], dict[str, Evaluation]]:
     """Evaluate what has not been evaluated before in exactly this way, each thing once.
 
-    Parameters
-    ----------
-    known
-        Evaluations of before, by the keys of their jobs.
+    `known`: evaluations of before, by the keys of their jobs.
 
-    Returns
-    -------
-    The evaluations in the order wanted, and those of them that are new, by the keys of their jobs.
+    Returns: the evaluations in the order wanted, and those of them that are new, by the keys of their jobs.
     """
     keys = job_keys(wanted)
     jobs = {key: job for key, job in zip(keys, wanted, strict=True) if key not in known}

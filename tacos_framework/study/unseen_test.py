@@ -16,24 +16,15 @@ from tacos_framework.study.shards import score_sharded
 
 @dataclass
 class UnseenTest:
-    """The designed camera beside the products, on more and more scenes.
-
-    Parameters
-    ----------
-    settings
-        How many scenes, and how sure is sure enough.
-    fitness
-        The weighted sum of scores.
-    designed
-        Name of the camera that each other is compared with.
-    evaluations
-        What came out so far, by name; each camera's scenes are the first so many.
-    """
+    """The designed camera beside the products, on more and more scenes."""
 
     settings: Test
+    """How many scenes, and how sure is sure enough."""
     fitness: Fitness
     designed: str
+    """Name of the camera that each other is compared with."""
     evaluations: dict[str, Evaluation] = field(default_factory=dict)
+    """What came out so far, by name; each camera's scenes are the first so many."""
 
     def episodes(self, first: int, last: int) -> tuple[EpisodeSpec, ...]:
         """Test episodes by number; `last` is not among them."""
@@ -55,12 +46,9 @@ class UnseenTest:
     ) -> None:
         """Add scenes until the comparison with the best product is decided or the most are spent.
 
-        Parameters
-        ----------
-        cameras
-            What scoring each camera is, by name; their episodes are set here.
-        on_look, on_evaluated
-            Told before a block of scenes how many cameras see it, and each camera's evaluation of it.
+        `cameras`: what scoring each camera is, by name; their episodes are set here. `on_look`,
+        `on_evaluated`: told before a block of scenes how many cameras see it, and each camera's evaluation of
+        it.
         """
         for count in self.looks:
             wanted = self._wanted(cameras)

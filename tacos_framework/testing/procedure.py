@@ -32,21 +32,13 @@ class InThisProcess:
 
 @dataclass(frozen=True)
 class FinishedRun:
-    """Result and files of a run, whatever becomes of its folder.
-
-    Parameters
-    ----------
-    result
-        What the procedure returned.
-    files
-        Paths of the files in its folder, below it.
-    beside
-        Names in the folder above, its own among them.
-    """
+    """Result and files of a run, whatever becomes of its folder."""
 
     result: Mapping[str, Any]
     files: frozenset[Path]
+    """Paths of the files in its folder, below it."""
     beside: frozenset[str]
+    """Names in the folder above, its own among them."""
 
 
 class ProcedureConformance(ComponentConformance):

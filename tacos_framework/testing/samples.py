@@ -65,10 +65,7 @@ def sample_exposure(**changes: float) -> Exposure:
 def sample_world(brightness: float = 1.0) -> World:
     """A floor, a wall and a sign under one panel, in grey.
 
-    Parameters
-    ----------
-    brightness
-        Factor on all light [1].
+    `brightness`: factor on all light [1].
     """
     grey = Material("grey", base_colour=np.full(3, 0.5, np.float32))
     dark = Material("dark", base_colour=np.full(3, 0.1, np.float32))
@@ -117,12 +114,7 @@ def sample_capture(
 ) -> Capture:
     """A textured card that moves sideways, the sign on it, made without any renderer.
 
-    Parameters
-    ----------
-    luminance_cd_m2
-        Mean luminance [cd/m2].
-    shift_px
-        Motion of the card from frame to frame [px].
+    `luminance_cd_m2`: mean luminance [cd/m2]. `shift_px`: motion of the card from frame to frame [px].
     """
     rig = rig or sample_rig()
     episode = sample_episode(frames)

@@ -11,15 +11,9 @@ from numpy.typing import DTypeLike
 def read_only(owner: Any, name: str, dtype: DTypeLike, shape: tuple[int | None, ...]) -> None:
     """Replace ``owner.name`` by a read-only array of `dtype`, or refuse it.
 
-    Parameters
-    ----------
-    shape
-        The expected shape; ``None`` stands for any length.
+    `shape`: the expected shape; ``None`` stands for any length.
 
-    Raises
-    ------
-    ValueError
-        When the shape differs, with both shapes in the message.
+    Raises `ValueError` when the shape differs, with both shapes in the message.
     """
     array = np.asarray(getattr(owner, name), dtype=dtype)
     matches = array.ndim == len(shape) and all(

@@ -20,34 +20,23 @@ SHUTTERS = ("global", "rolling", None)
 
 @dataclass(frozen=True)
 class Electrons:
-    """What is known of a photosite in electrons; None is unknown, and no model may invent it.
-
-    Parameters
-    ----------
-    sensor
-        Name of the image sensor, for messages.
-    quantum_efficiency
-        Electrons per photon [1].
-    full_well_e
-        Electrons a photosite holds before it saturates [e-].
-    read_noise_e
-        Standard deviation of the noise without light [e-].
-    dark_current_e_s
-        Electrons per second without light [e-/s].
-    high_gain_from_db, high_gain_read_noise_e
-        Gain from which on a second, higher conversion gain is used [dB], and the read noise there [e-].
-    converter_bits
-        Bits of the converter that reads it [bit].
-    """
+    """What is known of a photosite in electrons; None is unknown, and no model may invent it."""
 
     sensor: str = ""
+    """Name of the image sensor, for messages."""
     quantum_efficiency: float | None = None
+    """Electrons per photon [1]."""
     full_well_e: float | None = None
+    """Electrons a photosite holds before it saturates [e-]."""
     read_noise_e: float | None = None
+    """Standard deviation of the noise without light [e-]."""
     dark_current_e_s: float | None = None
+    """Electrons per second without light [e-/s]."""
     high_gain_from_db: float | None = None
     high_gain_read_noise_e: float | None = None
+    """Gain from which on a second, higher conversion gain is used [dB], and the read noise there [e-]."""
     converter_bits: int | None = None
+    """Bits of the converter that reads it [bit]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,53 +45,39 @@ class Camera:
 
     The camera frame is OpenCV's: x right, y down, z forward. Pixel (0, 0) has its centre at (0.0, 0.0),
     so the image spans -0.5 .. width - 0.5. The agent frame is x forward, y left, z up.
-
-    Parameters
-    ----------
-    name
-        Unique in its rig.
-    width_px, height_px
-        Size of the image that is simulated [px].
-    pixel_um
-        Pitch of the photosites as manufactured [um].
-    focal_length_mm
-        Focal length on the optical axis [mm].
-    agent_from_camera
-        (4, 4) float64 rigid transform [m].
-    binning
-        Linear factor of photosites averaged into one simulated pixel [1]; 1 simulates every photosite.
-        The pitch of a simulated pixel is ``pixel_um * binning``.
-    sensor_binning
-        The part of it that the camera does itself: its own images have a pixel for so many photosites along
-        each side [1].
-    shutter
-        ``global``: all rows are exposed at once; ``rolling``: one after the other; None is unknown.
-    row_time_us
-        From one row of photosites read out to the next, where the shutter is rolling; None is unknown [us].
-    principal_point_px
-        (x, y) [px]; the image centre when None.
-    electrons
-        What is known of its photosites in electrons.
-    lens
-        Its projection; `tacos_framework.camera.rays_of_pixels` takes pixels to directions.
-    colour
-        ``colour`` under a mosaic of filters, ``mono`` without; None where it is not known.
     """
 
     name: str
+    """Unique in its rig."""
     width_px: int
     height_px: int
+    """Size of the image that is simulated [px]."""
     pixel_um: float
+    """Pitch of the photosites as manufactured [um]."""
     focal_length_mm: float
+    """Focal length on the optical axis [mm]."""
     agent_from_camera: NDArray[np.float64] = field(default_factory=lambda: np.eye(4))
+    """(4, 4) float64 rigid transform [m]."""
     binning: float = 1.0
+    """Linear factor of photosites averaged into one simulated pixel [1]; 1 simulates every photosite. The
+    pitch of a simulated pixel is ``pixel_um * binning``.
+    """
     principal_point_px: tuple[float, float] | None = None
+    """(x, y) [px]; the image centre when None."""
     electrons: Electrons = Electrons()
+    """What is known of its photosites in electrons."""
     sensor_binning: float = 1
+    """The part of it that the camera does itself: its own images have a pixel for so many photosites along
+    each side [1].
+    """
     lens: Lens = PINHOLE
+    """Its projection; `tacos_framework.camera.rays_of_pixels` takes pixels to directions."""
     colour: Colour | None = None
+    """``colour`` under a mosaic of filters, ``mono`` without; None where it is not known."""
     shutter: str | None = None
+    """``global``: all rows are exposed at once; ``rolling``: one after the other; None is unknown."""
     row_time_us: float | None = None
+    """From one row of photosites read out to the next, where the shutter is rolling; None is unknown [us]."""
 
     def __post_init__(self) -> None:
         if self.width_px < 1 or self.height_px < 1:

@@ -13,24 +13,14 @@ from tacos_framework.values.catalog_part import CatalogPart
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """One point of a design space, snapped to what can be manufactured.
-
-    Parameters
-    ----------
-    values
-        For each variable its value; a `CatalogPart` for catalog variables.
-    genes
-        The genes of exactly these values.
-
-    Attributes
-    ----------
-    key
-        Content hash of the values: equal keys mean equal candidates, in every process.
-    """
+    """One point of a design space, snapped to what can be manufactured."""
 
     values: Mapping[str, Any]
+    """For each variable its value; a `CatalogPart` for catalog variables."""
     genes: tuple[float, ...]
+    """The genes of exactly these values."""
     key: str = field(init=False)
+    """Content hash of the values: equal keys mean equal candidates, in every process."""
 
     def __post_init__(self) -> None:
         content = json.dumps(self.as_dict(), sort_keys=True, allow_nan=False)

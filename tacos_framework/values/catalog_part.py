@@ -27,30 +27,20 @@ said by a list or program not checked against the maker."""
 
 @dataclass(frozen=True)
 class CatalogPart:
-    """A part that can be bought: one row of a catalog.
-
-    Parameters
-    ----------
-    name
-        Unique in its catalog.
-    values
-        For each column its value; None is unknown.
-    provenance
-        For each known value, who says so.
-    doubts
-        Sentences about values that are probably wrong.
-    notes
-        Sentences on anything else, such as what was cross-checked.
-    grades
-        How far a value can be trusted, where the catalog says so.
-    """
+    """A part that can be bought: one row of a catalog."""
 
     name: str
+    """Unique in its catalog."""
     values: Mapping[str, Value]
+    """For each column its value; None is unknown."""
     provenance: Mapping[str, str] = field(default_factory=dict, compare=False)
+    """For each known value, who says so."""
     doubts: tuple[str, ...] = field(default=(), compare=False)
+    """Sentences about values that are probably wrong."""
     notes: tuple[str, ...] = field(default=(), compare=False)
+    """Sentences on anything else, such as what was cross-checked."""
     grades: Mapping[str, Grade] = field(default_factory=dict, compare=False)
+    """How far a value can be trusted, where the catalog says so."""
 
     def __hash__(self) -> int:
         return hash((self.name, frozenset(self.values.items())))
@@ -61,10 +51,7 @@ class CatalogPart:
     def number(self, column: str) -> float:
         """A value that must be a number.
 
-        Raises
-        ------
-        ValueError
-            When it is unknown or text.
+        Raises `ValueError` when it is unknown or text.
         """
         value = self.values.get(column)
         if isinstance(value, int | float):

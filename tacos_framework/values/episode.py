@@ -26,18 +26,12 @@ far what it sees is, and what that is."""
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """The agent's pose over time, interpolated between keys.
-
-    Parameters
-    ----------
-    time_s
-        (K,) float64, rising [s].
-    world_from_agent
-        (K, 4, 4) float64 rigid transforms [m]; agent x forward, y left, z up, origin at the eye.
-    """
+    """The agent's pose over time, interpolated between keys."""
 
     time_s: NDArray[np.float64]
+    """(K,) float64, rising [s]."""
     world_from_agent: NDArray[np.float64]
+    """(K, 4, 4) float64 rigid transforms [m]; agent x forward, y left, z up, origin at the eye."""
 
     def __post_init__(self) -> None:
         read_only(self, "time_s", np.float64, (None,))
@@ -92,70 +86,46 @@ class Trajectory:
 
 @dataclass(frozen=True)
 class Crossing:
-    """The agent steps on an object (a threshold) at a time [s].
-
-    Parameters
-    ----------
-    object_id
-        The object stepped on.
-    time_s
-        When [s].
-    walk
-        The walk it belongs to, whether or not a frame follows it; None where that is the walk whose frames
-        lie around it.
-    """
+    """The agent steps on an object (a threshold) at a time [s]."""
 
     object_id: int
     time_s: float
+    """When [s]."""
     walk: int | None = None
+    """The walk it belongs to, whether or not a frame follows it; None where that is the walk whose frames lie
+    around it.
+    """
 
 
 @dataclass(frozen=True, eq=False)
 class Mover:
-    """A thing of the world on its own way.
-
-    Parameters
-    ----------
-    object_id
-        An object of the world that `moves`.
-    trajectory
-        Rigid transforms that take the object from where it rests in the world to where it is [m].
-    """
+    """A thing of the world on its own way."""
 
     object_id: int
+    """An object of the world that `moves`."""
     trajectory: Trajectory
+    """Rigid transforms that take the object from where it rests in the world to where it is [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Episode:
-    """Frames to take in a world, or a run of consecutive ones: ``episode[8:16]`` is a batch.
-
-    Parameters
-    ----------
-    world
-        The world; shared by all batches.
-    time_s
-        (N,) middle of each frame's exposure [s].
-    walk
-        (N,) int32: frames with equal numbers belong to one continuous walk; between walks the agent jumps.
-    crossings
-        Every step on an obstacle that counts in the whole episode.
-    movers
-        What moves while the agent does; everything else stands still.
-    first_frame
-        Index of frame 0 of this batch in the whole episode.
-    absent
-        The truth that nobody knows of it, by the names in `TRUTHS`; what needs it is refused.
-    """
+    """Frames to take in a world, or a run of consecutive ones: ``episode[8:16]`` is a batch."""
 
     world: World
+    """The world; shared by all batches."""
     trajectory: Trajectory
     time_s: NDArray[np.float64]
+    """(N,) middle of each frame's exposure [s]."""
     walk: NDArray[np.int32]
+    """(N,) int32: frames with equal numbers belong to one continuous walk; between walks the agent jumps."""
     crossings: tuple[Crossing, ...] = ()
+    """Every step on an obstacle that counts in the whole episode."""
     movers: tuple[Mover, ...] = ()
+    """What moves while the agent does; everything else stands still."""
     first_frame: int = 0
+    """Index of frame 0 of this batch in the whole episode."""
     absent: tuple[str, ...] = ()
+    """The truth that nobody knows of it, by the names in `TRUTHS`; what needs it is refused."""
 
     def __post_init__(self) -> None:
         read_only(self, "time_s", np.float64, (None,))

@@ -25,29 +25,6 @@ class ImageGeometry:
     The image may be a crop of the sensor: radii still run over the *full* sensor's half diagonal, and rows
     are read out where they lie on the sensor.
 
-    Parameters
-    ----------
-    width_px, height_px
-        Size of the image [px].
-    focal_length_px
-        Focal length in pixels of the image [px].
-    centre_px
-        Principal point (x, y), in pixels of the image; may lie outside a crop [px].
-    pixel_um
-        Pitch of the image's pixels, binning included [um].
-    offset_px
-        Where pixel (0, 0) of the image lies on the full sensor (x, y) [px].
-    full_width_px, full_height_px
-        Size of the full sensor; that of the image when 0 [px].
-    camera
-        Name of the camera, which tells the fixed patterns of a rig's sensors apart.
-    binning
-        Linear factor of photosites averaged into one pixel of the image [1].
-    lens
-        Its projection.
-    simulated_binning
-        Linear factor of the camera's own pixels averaged into it, as `Camera.simulated_binning` [1].
-
     Examples
     --------
     >>> full = ImageGeometry(640, 480, focal_length_px=1000, centre_px=(319.5, 239.5), pixel_um=3)
@@ -60,16 +37,25 @@ class ImageGeometry:
 
     width_px: int
     height_px: int
+    """Size of the image [px]."""
     focal_length_px: float
+    """Focal length in pixels of the image [px]."""
     centre_px: tuple[float, float]
+    """Principal point (x, y), in pixels of the image; may lie outside a crop [px]."""
     pixel_um: float
+    """Pitch of the image's pixels, binning included [um]."""
     offset_px: tuple[int, int] = (0, 0)
+    """Where pixel (0, 0) of the image lies on the full sensor (x, y) [px]."""
     full_width_px: int = 0
     full_height_px: int = 0
+    """Size of the full sensor; that of the image when 0 [px]."""
     camera: str = ""
+    """Name of the camera, which tells the fixed patterns of a rig's sensors apart."""
     binning: float = 1.0
+    """Linear factor of photosites averaged into one pixel of the image [1]."""
     lens: Lens = PINHOLE
     simulated_binning: float = 1.0
+    """Linear factor of the camera's own pixels averaged into it, as `Camera.simulated_binning` [1]."""
 
     def __post_init__(self) -> None:
         if self.width_px < 1 or self.height_px < 1:
@@ -153,61 +139,45 @@ class ContextMissing(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class ImageContext:
-    """How an image came about, as far as it is known; None where it is not.
-
-    Parameters
-    ----------
-    exposure_s
-        Exposure time [s].
-    gain_db
-        Gain [dB].
-    f_number
-        Focal length over aperture diameter [1].
-    black_level_dn, white_level_dn
-        Pedestal and full scale of samples in digital numbers; light (stages scene, optics, exposure) has no
-        pedestal whatever stands here [DN].
-    depth_m
-        (H, W) or (N, H, W) depth as `View.depth_m` has it, infinite where nothing is [m].
-    velocity_px_s
-        (2,), (H, W, 2) or (N, H, W, 2) motion of what each pixel shows, x to the right, y downwards, or what
-        works it out when it is asked for [px/s].
-    motion
-        How each thing moves over the image about the frame's moment, where that is rendered
-        (`tacos_framework.camera.FrameMotion`).
-    object_id
-        (H, W) or (N, H, W) what each pixel shows, index into `World.objects`.
-    shutter
-        ``global`` or ``rolling``.
-    row_time_us
-        From the read-out of one row of photosites to that of the next, where the shutter is rolling [us].
-    frame_interval_s
-        Time from frame to frame; None for frames that do not follow each other [s].
-    reference_row
-        Row of the image whose moment the image shows, where other rows are read out later [px].
-    cfa
-        Colour filters of a mosaic from the top-left pixel on, ``"RGGB"``; None for full channels.
-    dn_per_electron
-        What one electron of a photosite adds to a sample [DN/e-].
-    memory
-        What the effect itself keeps from frame to frame of a sequence; empty at its first frame.
-    """
+    """How an image came about, as far as it is known; None where it is not."""
 
     exposure_s: float = 0.030
+    """Exposure time [s]."""
     gain_db: float = 0.0
+    """Gain [dB]."""
     f_number: float | None = None
+    """Focal length over aperture diameter [1]."""
     black_level_dn: float = 0.0
     white_level_dn: float = 255.0
+    """Pedestal and full scale of samples in digital numbers; light (stages scene, optics, exposure) has no
+    pedestal whatever stands here [DN].
+    """
     depth_m: NDArray[np.floating] | None = None
+    """(H, W) or (N, H, W) depth as `View.depth_m` has it, infinite where nothing is [m]."""
     velocity_px_s: Velocity | Callable[[], Velocity] | None = None
+    """(2,), (H, W, 2) or (N, H, W, 2) motion of what each pixel shows, x to the right, y downwards, or what
+    works it out when it is asked for [px/s].
+    """
     motion: Any = None
+    """How each thing moves over the image about the frame's moment, where that is rendered
+    (`tacos_framework.camera.FrameMotion`).
+    """
     object_id: NDArray[np.integer] | None = None
+    """(H, W) or (N, H, W) what each pixel shows, index into `World.objects`."""
     shutter: str | None = None
+    """``global`` or ``rolling``."""
     row_time_us: float | None = None
+    """From the read-out of one row of photosites to that of the next, where the shutter is rolling [us]."""
     frame_interval_s: float | None = None
+    """Time from frame to frame; None for frames that do not follow each other [s]."""
     reference_row: float = 0.0
+    """Row of the image whose moment the image shows, where other rows are read out later [px]."""
     cfa: str | None = None
+    """Colour filters of a mosaic from the top-left pixel on, ``"RGGB"``; None for full channels."""
     dn_per_electron: float | None = None
+    """What one electron of a photosite adds to a sample [DN/e-]."""
     memory: dict[str, Any] = field(default_factory=dict)
+    """What the effect itself keeps from frame to frame of a sequence; empty at its first frame."""
 
     def known_f_number(self, effect: str) -> float:
         """The f-number, for an effect that cannot do without; `ContextMissing` where it is not known."""

@@ -15,33 +15,26 @@ from tacos_framework.values.episode import Episode
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """What one camera faces, frame by frame: light and truth.
-
-    Parameters
-    ----------
-    world_from_camera
-        (N, 4, 4) float64 poses in the middle of the exposure [m].
-    luminance_cd_m2
-        (N, H, W, 3) float32 luminance that reaches each pixel, averaged over the pixel and the exposure,
-        per linear sRGB channel, scaled so that an achromatic surface has equal channels [cd/m2].
-    depth_m
-        (N, H, W) float32 depth at the pixel centre, in the middle of the exposure [m]: the distance along the
-        optical axis of a rectilinear camera, along the ray of any other, as to the side of a fisheye the axis
-        measures nothing. Infinite where nothing is. A point lies at depth times `camera.pixel_rays`.
-    object_id
-        (N, H, W) int32 index into `World.objects` at the pixel centre; 0 for the background.
-    noise_cd2_m4
-        (N, H, W, C) float32 variance of the noise in the light, where that was itself recorded: C = 3 for
-        noise of each channel, 1 for noise that all share. Sensors add what theirs exceeds it by
-        [(cd/m2)^2].
-    """
+    """What one camera faces, frame by frame: light and truth."""
 
     camera: Camera
     world_from_camera: NDArray[np.float64]
+    """(N, 4, 4) float64 poses in the middle of the exposure [m]."""
     luminance_cd_m2: NDArray[np.float32]
+    """(N, H, W, 3) float32 luminance that reaches each pixel, averaged over the pixel and the exposure, per
+    linear sRGB channel, scaled so that an achromatic surface has equal channels [cd/m2].
+    """
     depth_m: NDArray[np.float32]
+    """(N, H, W) float32 depth at the pixel centre, in the middle of the exposure [m]: the distance along the
+    optical axis of a rectilinear camera, along the ray of any other, as to the side of a fisheye the axis
+    measures nothing. Infinite where nothing is. A point lies at depth times `camera.pixel_rays`.
+    """
     object_id: NDArray[np.int32]
+    """(N, H, W) int32 index into `World.objects` at the pixel centre; 0 for the background."""
     noise_cd2_m4: NDArray[np.float32] | None = None
+    """(N, H, W, C) float32 variance of the noise in the light, where that was itself recorded: C = 3 for
+    noise of each channel, 1 for noise that all share. Sensors add what theirs exceeds it by [(cd/m2)^2].
+    """
 
     def __post_init__(self) -> None:
         count = len(self.world_from_camera)
@@ -68,50 +61,39 @@ class View:
 
 @dataclass(frozen=True, eq=False)
 class Capture:
-    """What a renderer gives for a batch: one view per camera of the rig, in the rig's order.
-
-    Parameters
-    ----------
-    episode
-        The frames in the world.
-    pending
-        Effects of the stages pixel and readout that stand in the graph between renderer and sensor: the
-        sensor that comes next applies them at their place (`tacos_framework.formation.PlacedEffect`).
-    """
+    """What a renderer gives for a batch: one view per camera of the rig, in the rig's order."""
 
     episode: Episode
     views: tuple[View, ...]
     pending: tuple[Any, ...] = ()
+    """Effects of the stages pixel and readout that stand in the graph between renderer and sensor: the sensor
+    that comes next applies them at their place (`tacos_framework.formation.PlacedEffect`).
+    """
 
 
 @dataclass(frozen=True, eq=False)
 class FrameBatch:
-    """Digital images of a batch of consecutive frames, with the capture they were made from.
-
-    Parameters
-    ----------
-    capture
-        Truth: poses, depth, ids.
-    images
-        For each camera (N, H, W, C) uint8 or uint16, RGB (C = 3) or mono (C = 1), linear unless `coded` [DN].
-    black_level_dn, white_level_dn
-        Pedestal and full scale [DN].
-    exposures
-        For each camera what its N frames were taken with, where that is controlled; empty where it is fixed.
-    dn_per_electron
-        For each camera what an electron of a photosite added to the samples of its N frames, None where its
-        sensor does not know; empty where nobody said it of any [DN/e-].
-    coded
-        Whether the files are coded for a display, by a gamma or another tone curve.
-    """
+    """Digital images of a batch of consecutive frames, with the capture they were made from."""
 
     capture: Capture
+    """Truth: poses, depth, ids."""
     images: tuple[NDArray[np.uint8] | NDArray[np.uint16], ...]
+    """For each camera (N, H, W, C) uint8 or uint16, RGB (C = 3) or mono (C = 1), linear unless `coded`
+    [DN].
+    """
     black_level_dn: float = 0.0
     white_level_dn: float = 255.0
+    """Pedestal and full scale [DN]."""
     exposures: tuple[tuple[Exposure, ...], ...] = ()
+    """For each camera what its N frames were taken with, where that is controlled; empty where it is
+    fixed.
+    """
     dn_per_electron: tuple[tuple[float | None, ...], ...] = ()
+    """For each camera what an electron of a photosite added to the samples of its N frames, None where its
+    sensor does not know; empty where nobody said it of any [DN/e-].
+    """
     coded: bool = False
+    """Whether the files are coded for a display, by a gamma or another tone curve."""
 
     def __post_init__(self) -> None:
         if len(self.images) != len(self.capture.views):

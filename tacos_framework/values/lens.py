@@ -39,15 +39,6 @@ class Lens:
 
     All begin as r = t, so a focal length means the same to each: pixels per radian on the axis.
 
-    Parameters
-    ----------
-    coefficients
-        In OpenCV's order: k1 .. k4 of Kannala and Brandt; of a rectilinear lens k1, k2, p1, p2, k3 of Brown
-        and Conrady. Those left out are 0 [1].
-    half_field_deg
-        The angle off the axis at which the image circle ends, and all is dark beyond; None where it ends with
-        the projection [deg].
-
     References
     ----------
     Kannala and Brandt 2006, "A generic camera model and calibration method", IEEE Trans. PAMI 28(8); Ray
@@ -62,7 +53,13 @@ class Lens:
 
     projection: Projection = "rectilinear"
     coefficients: tuple[float, ...] = ()
+    """In OpenCV's order: k1 .. k4 of Kannala and Brandt; of a rectilinear lens k1, k2, p1, p2, k3 of Brown
+    and Conrady. Those left out are 0 [1].
+    """
     half_field_deg: float | None = None
+    """The angle off the axis at which the image circle ends, and all is dark beyond; None where it ends with
+    the projection [deg].
+    """
 
     def __post_init__(self) -> None:
         if self.projection not in get_args(Projection):
@@ -167,10 +164,7 @@ class Lens:
     def size_of_field(self, field_deg: float) -> float:
         """The length of the image that shows an angle; undoes `field_of_view_deg` [deg to focal lengths].
 
-        Raises
-        ------
-        ValueError
-            Where the lens has no such field of view.
+        Raises `ValueError` where the lens has no such field of view.
         """
         half_rad = math.radians(field_deg) / 2
         if half_rad > self.widest_rad * (1 + _ROUNDING) or (self.is_rectilinear and field_deg >= 180):

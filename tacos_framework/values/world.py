@@ -12,38 +12,27 @@ from tacos_framework.values.arrays import read_only
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """How a surface reflects and emits light (metallic-roughness model).
-
-    Parameters
-    ----------
-    name
-        For logs and exports.
-    base_colour
-        (3,) float32 linear sRGB reflectance in 0..1 [1]; multiplies the texture.
-    texture
-        (T, T, 3) uint8 sRGB base colour that tiles, T a power of two, row 0 at the bottom (v = 0); or None.
-    texture_size_m
-        Edge of one tile [m].
-    normal_map
-        (T, T, 3) uint8 tangent-space normals (x along u, y along v; 128 is zero), same T; or None.
-    roughness, metallic
-        0..1 [1].
-    emission_cd_m2
-        (3,) float32 luminance the surface emits itself [cd/m2].
-    unlit
-        Whether its colour was photographed with its light: `World.indirect_lux` alone falls on it, without
-        shadows, which is the same all over it.
-    """
+    """How a surface reflects and emits light (metallic-roughness model)."""
 
     name: str
+    """For logs and exports."""
     base_colour: NDArray[np.float32]
+    """(3,) float32 linear sRGB reflectance in 0..1 [1]; multiplies the texture."""
     texture: NDArray[np.uint8] | None = None
+    """(T, T, 3) uint8 sRGB base colour that tiles, T a power of two, row 0 at the bottom (v = 0); or None."""
     texture_size_m: float = 1.0
+    """Edge of one tile [m]."""
     normal_map: NDArray[np.uint8] | None = None
+    """(T, T, 3) uint8 tangent-space normals (x along u, y along v; 128 is zero), same T; or None."""
     roughness: float = 0.8
     metallic: float = 0.0
+    """0..1 [1]."""
     emission_cd_m2: NDArray[np.float32] = field(default_factory=lambda: np.zeros(3, np.float32))
+    """(3,) float32 luminance the surface emits itself [cd/m2]."""
     unlit: bool = False
+    """Whether its colour was photographed with its light: `World.indirect_lux` alone falls on it, without
+    shadows, which is the same all over it.
+    """
 
     def __post_init__(self) -> None:
         read_only(self, "base_colour", np.float32, (3,))
@@ -58,34 +47,24 @@ class Material:
 
 @dataclass(frozen=True, eq=False)
 class MeshPart:
-    """A triangle mesh in world coordinates, of one material, belonging to one object.
-
-    Parameters
-    ----------
-    vertices_m
-        (V, 3) float32 [m].
-    normals
-        (V, 3) float32, unit length.
-    uv_m
-        (V, 2) float32 texture coordinates in metres along the surface [m].
-    triangles
-        (T, 3) int32 indices of vertices, counter-clockwise seen from outside.
-    material
-        Index into `World.materials`.
-    object_id
-        Id of the object it belongs to: index into `World.objects`.
-    light_detail
-        How fine the light on it needs to be known, over what a renderer is asked for: below 1 for what is
-        only seen from afar [1].
-    """
+    """A triangle mesh in world coordinates, of one material, belonging to one object."""
 
     vertices_m: NDArray[np.float32]
+    """(V, 3) float32 [m]."""
     normals: NDArray[np.float32]
+    """(V, 3) float32, unit length."""
     uv_m: NDArray[np.float32]
+    """(V, 2) float32 texture coordinates in metres along the surface [m]."""
     triangles: NDArray[np.int32]
+    """(T, 3) int32 indices of vertices, counter-clockwise seen from outside."""
     material: int
+    """Index into `World.materials`."""
     object_id: int
+    """Id of the object it belongs to: index into `World.objects`."""
     light_detail: float = 1.0
+    """How fine the light on it needs to be known, over what a renderer is asked for: below 1 for what is only
+    seen from afar [1].
+    """
 
     def __post_init__(self) -> None:
         read_only(self, "vertices_m", np.float32, (None, 3))
@@ -99,47 +78,31 @@ class MeshPart:
 
 @dataclass(frozen=True)
 class Object:
-    """A labelled thing.
-
-    Parameters
-    ----------
-    name
-        For logs and exports.
-    class_name
-        One of `World.class_names`.
-    moves
-        Whether episodes move it (`Episode.movers`): it is lit where it rests, and casts no shadow.
-    """
+    """A labelled thing."""
 
     name: str
+    """For logs and exports."""
     class_name: str
+    """One of `World.class_names`."""
     moves: bool = field(default=False, repr=False)
+    """Whether episodes move it (`Episode.movers`): it is lit where it rests, and casts no shadow."""
 
 
 @dataclass(frozen=True, eq=False)
 class Light:
-    """A diffuse rectangular emitter, or a small sphere where `normal` is None.
-
-    Parameters
-    ----------
-    position_m
-        (3,) centre [m].
-    flux_lm
-        (3,) luminous flux per linear sRGB channel, scaled so that white light has equal channels [lm].
-    normal
-        (3,) unit vector into which it shines (Lambertian), or None: all directions alike.
-    half_u_m, half_v_m
-        (3,) vectors from the centre to the middle of two edges [m]; zero for a sphere.
-    radius_m
-        Radius of a sphere [m].
-    """
+    """A diffuse rectangular emitter, or a small sphere where `normal` is None."""
 
     position_m: NDArray[np.float32]
+    """(3,) centre [m]."""
     flux_lm: NDArray[np.float32]
+    """(3,) luminous flux per linear sRGB channel, scaled so that white light has equal channels [lm]."""
     normal: NDArray[np.float32] | None = None
+    """(3,) unit vector into which it shines (Lambertian), or None: all directions alike."""
     half_u_m: NDArray[np.float32] = field(default_factory=lambda: np.zeros(3, np.float32))
     half_v_m: NDArray[np.float32] = field(default_factory=lambda: np.zeros(3, np.float32))
+    """(3,) vectors from the centre to the middle of two edges [m]; zero for a sphere."""
     radius_m: float = 0.05
+    """Radius of a sphere [m]."""
 
     def __post_init__(self) -> None:
         for name in ("position_m", "flux_lm", "half_u_m", "half_v_m"):
@@ -153,43 +116,37 @@ class World:
     """Everything that can be seen and what lights it.
 
     Object 0 is the background: what belongs to no labelled thing (walls, floor, sky).
-
-    Parameters
-    ----------
-    key
-        Content key: equal keys mean equal worlds; renderers upload and bake once per key.
-    indirect_lux
-        One (V, 3) float32 array per part: light that reaches each vertex after at least one reflection,
-        as irradiance per channel [lux]; None where a renderer should bake it itself.
-    ambient_cd_m2
-        (3,) luminance of whatever lies beyond the geometry [cd/m2].
-    sky_cd_m2
-        (H, 2 H, 3) float32 what is seen beyond the geometry, where it is not `ambient_cd_m2` all around:
-        rows from the zenith down to the nadir, columns from +x by way of +y. Its mean, weighted by the cosine
-        from the zenith, should be `ambient_cd_m2`, which lights surfaces [cd/m2]. None for even surroundings.
-    origin_m
-        (3,) float64 where its origin lies in the coordinates of the file it was read from, of which single
-        precision would keep too little; zero for most worlds [m].
-    remarks
-        Doubts about its files, and statements in them that are not carried out, with the effect.
-    unscaled, light_factor
-        The same world in other light, with a content key of its own, and by how much stronger all light is
-        here [1]. Light is linear: what was worked out for the one holds for the other, times this factor.
     """
 
     key: str
+    """Content key: equal keys mean equal worlds; renderers upload and bake once per key."""
     parts: tuple[MeshPart, ...]
     materials: tuple[Material, ...]
     objects: tuple[Object, ...]
     class_names: tuple[str, ...]
     lights: tuple[Light, ...] = ()
     indirect_lux: tuple[NDArray[np.float32], ...] | None = None
+    """One (V, 3) float32 array per part: light that reaches each vertex after at least one reflection, as
+    irradiance per channel [lux]; None where a renderer should bake it itself.
+    """
     ambient_cd_m2: NDArray[np.float32] = field(default_factory=lambda: np.zeros(3, np.float32))
+    """(3,) luminance of whatever lies beyond the geometry [cd/m2]."""
     sky_cd_m2: NDArray[np.float32] | None = None
+    """(H, 2 H, 3) float32 what is seen beyond the geometry, where it is not `ambient_cd_m2` all around: rows
+    from the zenith down to the nadir, columns from +x by way of +y. Its mean, weighted by the cosine from
+    the zenith, should be `ambient_cd_m2`, which lights surfaces [cd/m2]. None for even surroundings.
+    """
     origin_m: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    """(3,) float64 where its origin lies in the coordinates of the file it was read from, of which single
+    precision would keep too little; zero for most worlds [m].
+    """
     remarks: tuple[str, ...] = ()
+    """Doubts about its files, and statements in them that are not carried out, with the effect."""
     unscaled: World | None = field(default=None, repr=False)
     light_factor: float = 1.0
+    """The same world in other light, with a content key of its own, and by how much stronger all light is
+    here [1]. Light is linear: what was worked out for the one holds for the other, times this factor.
+    """
 
     def __post_init__(self) -> None:
         read_only(self, "origin_m", np.float64, (3,))

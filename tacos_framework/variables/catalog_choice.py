@@ -20,38 +20,29 @@ from tacos_framework.variables.gene import Gene
 class CatalogChoice:
     """A part from a catalog, by one of the two schemes of the paper (Sec. 3.3).
 
-    Parameters
-    ----------
-    name
-        The name recipes use.
-    catalog
-        The catalog to choose from.
-    scheme
-        ``quantized``: one gene per column, and the nearest row afterwards (paper, eq. 2), so that parts
-        alike are close. ``discrete``: one gene, the index of a row; rows are ordered by area, so that a
-        step to the next index means something.
-    columns
-        Columns of numbers that span the space of parts; the catalog's `design_columns` if None.
-    distance
-        ``normalised`` divides each column by its range over the rows, so that no unit outweighs another;
-        ``plain`` is the paper's, which adds squared millimetres and micrometres.
-    excluded
-        Names of parts that may not be chosen, as a constraint on one of their columns rules them out.
-    unfit
-        Parts that nothing can be built from, and why.
-
     Notes
     -----
     Parts without a known number in every one of the columns cannot be chosen either; `reasons` holds both.
     """
 
     name: str
+    """The name recipes use."""
     catalog: Catalog
     scheme: Literal["quantized", "discrete"] = "quantized"
+    """``quantized``: one gene per column, and the nearest row afterwards (paper, eq. 2), so that parts alike
+    are close. ``discrete``: one gene, the index of a row; rows are ordered by area, so that a step to the
+    next index means something.
+    """
     columns: tuple[str, ...] | None = None
+    """Columns of numbers that span the space of parts; the catalog's `design_columns` if None."""
     distance: Literal["normalised", "plain"] = "normalised"
+    """``normalised`` divides each column by its range over the rows, so that no unit outweighs another;
+    ``plain`` is the paper's, which adds squared millimetres and micrometres.
+    """
     excluded: frozenset[str] = frozenset()
+    """Names of parts that may not be chosen, as a constraint on one of their columns rules them out."""
     unfit: Mapping[str, str] = field(default_factory=dict, compare=False)
+    """Parts that nothing can be built from, and why."""
 
     def __post_init__(self) -> None:
         if self.scheme not in ("quantized", "discrete"):

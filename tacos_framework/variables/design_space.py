@@ -67,10 +67,7 @@ class DesignSpace:
     def decode(self, genes: Sequence[float] | NDArray[np.float64]) -> Candidate:
         """The candidate nearest to these genes: clipped to the bounds, rounded, snapped to catalogs.
 
-        Raises
-        ------
-        ValueError
-            When there are too many or too few genes, or one is NaN.
+        Raises `ValueError` when there are too many or too few genes, or one is NaN.
         """
         given = np.asarray(genes, dtype=np.float64)
         if given.shape != (len(self.genes),):
@@ -93,10 +90,7 @@ class DesignSpace:
 
         Parts may be given as `CatalogPart`, as their name, or as `Candidate.as_dict` gave them.
 
-        Raises
-        ------
-        ValueError
-            When a variable is missing, unknown, or cannot have its value.
+        Raises `ValueError` when a variable is missing, unknown, or cannot have its value.
         """
         self._check_names(values)
         if missing := [name for name in self.names if name not in values]:

@@ -11,25 +11,16 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Gene:
-    """One number an optimizer varies.
-
-    Parameters
-    ----------
-    name
-        The variable's name, followed by the column for catalog variables: ``sensor.pixel_um``.
-    variable
-        The variable it belongs to.
-    kind
-        ``continuous``; ``integer``; or ``choice``, an index 0, 1, ... ``upper``.
-    lower, upper
-        Bounds, both included, in the unit of the variable.
-    """
+    """One number an optimizer varies."""
 
     name: str
+    """The variable's name, followed by the column for catalog variables: ``sensor.pixel_um``."""
     variable: str
     kind: Literal["continuous", "integer", "choice"]
+    """``continuous``; ``integer``; or ``choice``, an index 0, 1, ... ``upper``."""
     lower: float
     upper: float
+    """Bounds, both included, in the unit of the variable."""
 
 
 class Variable(Protocol):

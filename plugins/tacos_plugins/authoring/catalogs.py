@@ -72,10 +72,7 @@ def show_catalog(name: str) -> str:
 def show_part(name: str, part: str) -> str:
     """All that is known of a part, each value with its grade and source, and what is not known.
 
-    Raises
-    ------
-    UserError
-        Where the catalog has no such part.
+    Raises `UserError` where the catalog has no such part.
     """
     catalog = find_catalog(name)
     if name == CAMERAS and part in camera_names() and part not in catalog.names:

@@ -36,17 +36,9 @@ end
 def completion_script(shell: str, command: str | None = None) -> str:
     """The script that completes the commands in a shell.
 
-    Parameters
-    ----------
-    shell
-        One of `SHELLS`.
-    command
-        ``tacos`` or ``tacos-run``; both if None.
+    `shell`: one of `SHELLS`. `command`: ``tacos`` or ``tacos-run``; both if None.
 
-    Raises
-    ------
-    UserError
-        When shtab, which writes the scripts, is not installed.
+    Raises `UserError` when shtab, which writes the scripts, is not installed.
     """
     try:
         import shtab

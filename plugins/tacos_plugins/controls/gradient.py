@@ -85,12 +85,7 @@ def gradient_information(image: NDArray[np.float32], threshold: float, emphasis:
 
         m' = log(lambda (m - sigma) + 1) / log(lambda (1 - sigma) + 1)   where m >= sigma, else 0   (eq. 1, 2)
 
-    Parameters
-    ----------
-    image
-        (H, W) within 0..1.
-    threshold, emphasis
-        sigma and lambda [1].
+    `image`: (H, W) within 0..1. `threshold`, `emphasis`: sigma and lambda [1].
 
     Examples
     --------

@@ -44,12 +44,7 @@ class ExposureLimits(Settings):
     def exposure(self, signal_s: float, f_number: float) -> Exposure:
         """The exposure within the limits that comes nearest to a signal, with the least gain.
 
-        Parameters
-        ----------
-        signal_s
-            Exposure time times gain as a factor [s].
-        f_number
-            Of the lens [1].
+        `signal_s`: exposure time times gain as a factor [s]. `f_number`: of the lens [1].
 
         Examples
         --------

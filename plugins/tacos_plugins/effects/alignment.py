@@ -42,11 +42,6 @@ def aligned_with_expected(capture: ObservedCapture) -> NDArray[np.float64] | Non
     """(2, 3) affine map of the expectation's points to the picture's; None where nothing aligns.
 
     Worked out once per capture.
-
-    Parameters
-    ----------
-    capture
-        Real frames with an expectation.
     """
     if capture not in _ALIGNED:
         _ALIGNED[capture] = _aligned_with_expected(capture)
@@ -80,12 +75,8 @@ def aligned(
 
     Gains and offsets do not matter. The map begins as a shift of the coarsest pictures.
 
-    Parameters
-    ----------
-    fixed, moving
-        (H, W) float32 of any unit, of like range.
-    valid
-        (H, W) where `moving` counts; everywhere if None.
+    `fixed`, `moving`: (H, W) float32 of any unit, of like range. `valid`: (H, W) where `moving` counts;
+    everywhere if None.
 
     References
     ----------

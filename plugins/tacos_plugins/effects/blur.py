@@ -61,17 +61,10 @@ def airy_transfer(cut_off: float) -> Transfer:
 def kernel_of(transfer: Transfer, reach_px: float) -> NDArray[np.float64]:
     """The kernel with a transfer function.
 
-    Parameters
-    ----------
-    transfer
-        The transfer function, real: the spread is symmetric about its centre.
-    reach_px
-        How far the spread reaches; beyond, the ripples of the band limit are faded out [px].
+    `transfer`: the transfer function, real: the spread is symmetric about its centre. `reach_px`: how far the
+    spread reaches; beyond, the ripples of the band limit are faded out [px].
 
-    Returns
-    -------
-    NDArray
-        (K, K) float64 with K odd and sum 1.
+    Returns: (K, K) float64 with K odd and sum 1.
 
     Examples
     --------
@@ -105,17 +98,10 @@ def gaussian_kernel(sigma_px: float) -> NDArray[np.float64]:
 def blur(frames: NDArray[np.floating], kernel: NDArray[np.float64]) -> NDArray[np.floating]:
     """Frames convolved with a symmetric kernel; the image's edge is continued outwards.
 
-    Parameters
-    ----------
-    frames
-        (N, H, W, C) float32 or float64.
-    kernel
-        (K, K), K odd; or (K,), along either axis in turn, of a spread that is a product of two.
+    `frames`: (N, H, W, C) float32 or float64. `kernel`: (K, K), K odd; or (K,), along either axis in turn, of
+    a spread that is a product of two.
 
-    Returns
-    -------
-    NDArray
-        Same shape and dtype; nowhere outside the range of its frame, as no blur makes light.
+    Returns: same shape and dtype; nowhere outside the range of its frame, as no blur makes light.
     """
     blurred = np.empty_like(frames)
     for frame, out in zip(frames, blurred, strict=True):

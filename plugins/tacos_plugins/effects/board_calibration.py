@@ -29,24 +29,16 @@ _FOCAL_STARTS = (1.0, 0.5, 2.5)
 
 @dataclass(frozen=True)
 class Calibration:
-    """What fits the corners of boards best.
-
-    Parameters
-    ----------
-    focal_px
-        Focal length [px].
-    moved_px
-        Its principal point, from the believed one to the right and downwards [px].
-    radial
-        k1, k2, k3 of Brown and Conrady, or of the fisheye model [1].
-    rms_px
-        Root mean square distance of the corners from it [px].
-    """
+    """What fits the corners of boards best."""
 
     focal_px: float
+    """Focal length [px]."""
     moved_px: tuple[float, float]
+    """Its principal point, from the believed one to the right and downwards [px]."""
     radial: tuple[float, float, float]
+    """k1, k2, k3 of Brown and Conrady, or of the fisheye model [1]."""
     rms_px: float
+    """Root mean square distance of the corners from it [px]."""
 
 
 def calibrated(

@@ -10,16 +10,9 @@ from numpy.typing import NDArray
 def correlate(frames: NDArray[np.floating], kernel: NDArray[np.float64]) -> NDArray[np.floating]:
     """Correlate every frame and channel with a kernel; beyond the edges the image is mirrored.
 
-    Parameters
-    ----------
-    frames
-        (N, H, W, C) samples, C at most 4.
-    kernel
-        (K, K) weights, K odd.
+    `frames`: (N, H, W, C) samples, C at most 4. `kernel`: (K, K) weights, K odd.
 
-    Returns
-    -------
-    Same shape and dtype.
+    Returns: same shape and dtype.
 
     Examples
     --------

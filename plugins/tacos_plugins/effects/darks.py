@@ -41,19 +41,13 @@ def isolated(bright: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True, eq=False)
 class SteadyDark:
-    """What all frames of a dark hold above their middle.
-
-    Parameters
-    ----------
-    above_dn
-        (H, W, C) the least of the frames, less the median of all pixels [DN].
-    lowest_dn
-        What noise and rounding seldom reach: pixels above it are bright [DN].
-    """
+    """What all frames of a dark hold above their middle."""
 
     capture: ObservedCapture
     above_dn: NDArray[np.float32]
+    """(H, W, C) the least of the frames, less the median of all pixels [DN]."""
     lowest_dn: float
+    """What noise and rounding seldom reach: pixels above it are bright [DN]."""
 
     @cached_property
     def bright(self) -> NDArray[np.bool_]:

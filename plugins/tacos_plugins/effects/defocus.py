@@ -139,17 +139,9 @@ def spread_over_disc(light: NDArray[np.floating], radius_px: float) -> NDArray[n
     By the disc's transfer function, whose kernel has negative lobes, as every band limit has; but what lamps
     have beyond the rest of their frame by the pixels' shares of a disc, so that they have no rings.
 
-    Parameters
-    ----------
-    light
-        (N, H, W, C) light in any unit, 0 where there is none.
-    radius_px
-        R, above 0 [px].
+    `light`: (N, H, W, C) light in any unit, 0 where there is none. `radius_px`: R, above 0 [px].
 
-    Returns
-    -------
-    NDArray
-        Same shape and dtype.
+    Returns: same shape and dtype.
     """
     seen = np.minimum(light, _brightest_but_for_lamps(light))
     spread = blur(seen, kernel_of(disc_transfer(radius_px), reach_px=radius_px))

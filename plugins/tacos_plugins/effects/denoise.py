@@ -117,15 +117,9 @@ def noise_of_levels(frame: NDArray[np.floating], mean: NDArray[np.floating]) -> 
     Texture hardly enters: a second difference in both directions leaves out slopes and straight edges, and of
     each level the median counts.
 
-    Parameters
-    ----------
-    frame, mean
-        (H, W, C) samples and their local means [DN].
+    `frame`, `mean`: (H, W, C) samples and their local means [DN].
 
-    Returns
-    -------
-    NDArray
-        (H, W, C) variance, as a function of `mean` alone [DN^2].
+    Returns: (H, W, C) variance, as a function of `mean` alone [DN^2].
     """
     rough = cv2.filter2D(frame, -1, _SECOND_DIFFERENCE, borderType=cv2.BORDER_REFLECT).reshape(frame.shape)
     found = np.empty_like(frame)

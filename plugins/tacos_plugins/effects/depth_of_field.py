@@ -66,17 +66,10 @@ def blur_by_depth(light: NDArray[np.floating], radius_px: NDArray[np.floating]) 
     The image is cut into layers of about equal radius, each blurred by itself. A layer is covered by layers
     that lie clearly nearer, as far as their blur reaches; neighbouring layers share a surface and add up.
 
-    Parameters
-    ----------
-    light
-        (N, H, W, C) float32 or float64.
-    radius_px
-        (N, H, W) radius of each pixel's disc, rising with depth: negative is before the focus [px].
+    `light`: (N, H, W, C) float32 or float64. `radius_px`: (N, H, W) radius of each pixel's disc, rising with
+    depth: negative is before the focus [px].
 
-    Returns
-    -------
-    NDArray
-        Same shape and dtype.
+    Returns: same shape and dtype.
     """
     blurred = np.empty_like(light)
     for frame, radius, out in zip(light, radius_px, blurred, strict=True):

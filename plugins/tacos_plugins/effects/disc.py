@@ -18,15 +18,9 @@ def disc_kernel(radius_px: float) -> NDArray[np.float64]:
     taps' variance along each axis is R^2 / 4, that of the disc of radius R: exactly, however small R is. Up
     to an eighth of a cycle per pixel the transfer is that of the disc, 2 J1(z) / z, within 0.01.
 
-    Parameters
-    ----------
-    radius_px
-        R, above 0 [px].
+    `radius_px`: R, above 0 [px].
 
-    Returns
-    -------
-    NDArray
-        (K, K) float64 with K odd: never negative, sum 1, the same in its eight reflections.
+    Returns: (K, K) float64 with K odd: never negative, sum 1, the same in its eight reflections.
 
     Examples
     --------
@@ -44,15 +38,9 @@ def disc_kernel(radius_px: float) -> NDArray[np.float64]:
 def covered_shares(radius_px: float) -> NDArray[np.float64]:
     """Shares of a disc's area that lie on each pixel, the disc's centre being that of the middle pixel.
 
-    Parameters
-    ----------
-    radius_px
-        R, at least 0.5 [px].
+    `radius_px`: R, at least 0.5 [px].
 
-    Returns
-    -------
-    NDArray
-        (K, K) float64, K = 2 ceil(R - 0.5) + 1, sum 1.
+    Returns: (K, K) float64, K = 2 ceil(R - 0.5) + 1, sum 1.
     """
     x, y = np.meshgrid(_edges(radius_px), _edges(radius_px))
     end = np.sqrt(np.maximum(radius_px**2 - y**2, 0.0))  # of the chord at each y

@@ -26,15 +26,7 @@ _ROUNDS = 4
 def disc_radius_px(capture: ObservedCapture) -> float | None:
     """The radius with which the expectation has the spectrum of the mean frame, up to gain and white noise.
 
-    Parameters
-    ----------
-    capture
-        Real frames with an expectation.
-
-    Returns
-    -------
-    float or None
-        [px]; None where no disc explains the spectrum much better than gain and noise alone.
+    Returns: [px]; None where no disc explains the spectrum much better than gain and noise alone.
     """
     if capture.expected_dn is None or not capture.valid.any():
         return None

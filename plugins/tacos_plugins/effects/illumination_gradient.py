@@ -75,17 +75,10 @@ class IlluminationGradient:
 def light_plane(geometry: ImageGeometry, gx: float, gy: float) -> NDArray[np.float64]:
     """Light at each pixel over light in the middle of the sensor.
 
-    Parameters
-    ----------
-    geometry
-        The image; the plane runs over the full sensor it is a part of.
-    gx, gy
-        Rise from edge to edge [1/width, 1/height].
+    `geometry`: the image; the plane runs over the full sensor it is a part of. `gx`, `gy`: rise from edge to
+    edge [1/width, 1/height].
 
-    Returns
-    -------
-    NDArray
-        (H, W) float64, never below 0 [1].
+    Returns: (H, W) float64, never below 0 [1].
 
     Examples
     --------

@@ -50,28 +50,20 @@ and rows in the frame and inverse depths at the time."""
 
 @dataclass(frozen=True, eq=False)
 class Paths:
-    """Figures of paths at nodes, as polynomials of the inverse depth in the frame.
-
-    Parameters
-    ----------
-    parts
-        One or several (tables, rows, columns, 3, figures); the first two are places along x and y from the
-        pixel, then come extents along both, or the inverse depth then [px, px, 1/m].
-    reach_px
-        No path goes farther from its pixel [px].
-    spacing_px
-        From node to node [px].
-    widest
-        So many neighbours may take the path of one [1].
-    alike
-        Where their inverse depths differ by no more than this from the first's [1/m].
-    """
+    """Figures of paths at nodes, as polynomials of the inverse depth in the frame."""
 
     parts: Sequence[NDArray[np.float32]]
+    """One or several (tables, rows, columns, 3, figures); the first two are places along x and y from the
+    pixel, then come extents along both, or the inverse depth then [px, px, 1/m].
+    """
     reach_px: float
+    """No path goes farther from its pixel [px]."""
     spacing_px: int
+    """From node to node [px]."""
     widest: int
+    """So many neighbours may take the path of one [1]."""
     alike: np.float32
+    """Where their inverse depths differ by no more than this from the first's [1/m]."""
 
     @property
     def row_shape(self) -> tuple[int, ...]:
@@ -82,36 +74,24 @@ class Paths:
 
 @dataclass(frozen=True, eq=False)
 class ImageMotion:
-    """How a frame's image moves.
-
-    Parameters
-    ----------
-    displaced
-        For each table the function of its motion: what stands still first, then what moves by itself.
-    table_of
-        (H, W) int32 which of them each pixel has.
-    near
-        (H, W) float32 inverse depth of the frame [1/m].
-    object_id
-        (H, W) int32 what it shows; where objects are not known, alike everywhere.
-    spacing_px
-        From node to node of the tables [px].
-    """
+    """How a frame's image moves."""
 
     displaced: Sequence[Displaced]
+    """For each table the function of its motion: what stands still first, then what moves by itself."""
     table_of: NDArray[np.int32]
+    """(H, W) int32 which of them each pixel has."""
     near: NDArray[np.float32]
+    """(H, W) float32 inverse depth of the frame [1/m]."""
     object_id: NDArray[np.int32]
+    """(H, W) int32 what it shows; where objects are not known, alike everywhere."""
     spacing_px: int
+    """From node to node of the tables [px]."""
 
     @classmethod
     def of(cls, geometry: ImageGeometry, context: ImageContext, frame: int) -> ImageMotion:
         """That of a rendered frame, or of an image with a known velocity.
 
-        Raises
-        ------
-        ContextMissing
-            Where neither is known.
+        Raises `ContextMissing` where neither is known.
         """
         size = geometry.height_px, geometry.width_px
         still = np.zeros(size, np.int32)
@@ -143,12 +123,8 @@ class ImageMotion:
     def paths(self, row_after_s: RowAfter, exposure_s: float) -> Paths:
         """The straight parts of the paths over an exposure, which all have the same time.
 
-        Parameters
-        ----------
-        row_after_s
-            Takes rows to the middles of their exposures after the frame's moment [px, s].
-        exposure_s
-            How long each row is exposed [s].
+        `row_after_s`: takes rows to the middles of their exposures after the frame's moment [px, s].
+        `exposure_s`: how long each row is exposed [s].
         """
         parts = 1
         while True:

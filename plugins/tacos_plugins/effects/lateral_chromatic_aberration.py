@@ -71,14 +71,9 @@ class LateralChromaticAberration:
 def magnified_source(geometry: ImageGeometry, constant: float, square: float) -> Places:
     """Where each pixel of a channel looks whose radii are magnified by ``1 + constant + square r^2``.
 
-    Parameters
-    ----------
-    constant, square
-        c and b, at most 0.05 [1].
+    `constant`, `square`: c and b, at most 0.05 [1].
 
-    Returns
-    -------
-    (H, W) columns and rows [px].
+    Returns: (H, W) columns and rows [px].
 
     Examples
     --------

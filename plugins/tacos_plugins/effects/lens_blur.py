@@ -109,17 +109,9 @@ def blur_over_field(light: NDArray[np.floating], sigma_px: NDArray[np.float64]) 
 
     A mixture of two blurs a step apart stands in for those between them, with the right variance.
 
-    Parameters
-    ----------
-    light
-        (N, H, W, C) float32 or float64.
-    sigma_px
-        (H, W) standard deviation, never negative [px].
+    `light`: (N, H, W, C) float32 or float64. `sigma_px`: (H, W) standard deviation, never negative [px].
 
-    Returns
-    -------
-    NDArray
-        Same shape and dtype.
+    Returns: same shape and dtype.
     """
     variance = sigma_px**2
     least, most = float(variance.min()), float(variance.max())

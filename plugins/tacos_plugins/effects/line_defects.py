@@ -31,16 +31,11 @@ _FEW = 0.1
 
 @dataclass(frozen=True)
 class _BadLines:
-    """Bad lines of one direction.
-
-    Parameters
-    ----------
-    offset_dn
-        What they show above the others; None where they are dead [DN].
-    """
+    """Bad lines of one direction."""
 
     share: float
     offset_dn: float | None
+    """What they show above the others; None where they are dead [DN]."""
 
 
 def bad_lines(captures: Captures) -> Iterator[Mapping[str, Any]]:

@@ -17,17 +17,10 @@ Plane = NDArray[np.floating]
 def mosaic_channels(cfa: str, height_px: int, width_px: int) -> NDArray[np.intp]:
     """Which channel each photosite of a Bayer mosaic samples.
 
-    Parameters
-    ----------
-    cfa
-        Colours of the 2 x 2 photosites at the top left, row by row: ``"RGGB"``.
-    height_px, width_px
-        Size of the image [px].
+    `cfa`: colours of the 2 x 2 photosites at the top left, row by row: ``"RGGB"``. `height_px`, `width_px`:
+    size of the image [px].
 
-    Returns
-    -------
-    NDArray
-        (H, W), 0 for red, 1 for green, 2 for blue; read-only.
+    Returns: (H, W), 0 for red, 1 for green, 2 for blue; read-only.
 
     Examples
     --------

@@ -22,20 +22,14 @@ from tacos_plugins.effects.path_loops import (
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """What each pixel of a rolling shutter shows at the moment of its row.
-
-    Parameters
-    ----------
-    near, table_of
-        (H, W) its inverse depth in the frame [1/m], and the number of its table.
-    depth_m, object_id
-        (H, W) its depth then [m], and its object.
-    """
+    """What each pixel of a rolling shutter shows at the moment of its row."""
 
     near: NDArray[np.float32]
     table_of: NDArray[np.int32]
+    """(H, W) its inverse depth in the frame [1/m], and the number of its table."""
     depth_m: NDArray[np.float32]
     object_id: NDArray[np.int32]
+    """(H, W) its depth then [m], and its object."""
 
     @classmethod
     def at(
@@ -65,17 +59,10 @@ def along_paths(
 ) -> NDArray[np.float32]:
     """(H, W, C) light averaged along the path of each pixel, one straight part after the other.
 
-    Parameters
-    ----------
-    frame
-        (H, W, C) light, C at most 3.
-    near, table_of
-        (H, W) inverse depth [1/m] and number of the table of what each pixel shows.
+    `frame`: (H, W, C) light, C at most 3. `near`, `table_of`: (H, W) inverse depth [1/m] and number of the
+    table of what each pixel shows.
 
-    Returns
-    -------
-    NDArray
-        Nowhere outside the range of the frame.
+    Returns: nowhere outside the range of the frame.
     """
     frame = frame.astype(np.float32, copy=False)
     margin = math.ceil(paths.reach_px) + 2 * KERNEL_PX + MOST_AT_ONCE_PX

@@ -16,15 +16,10 @@ _CLOSE_PX = 1e-4
 def source_of(geometry: ImageGeometry, forward: Callable[..., Places], frames: int) -> Places:
     """Where the pixels of a moved image come from, when only the way there is known.
 
-    Parameters
-    ----------
-    forward
-        Takes columns and rows, (N, H, W), to where they move [px].
+    `forward`: takes columns and rows, (N, H, W), to where they move [px].
 
-    Returns
-    -------
-    (N, H, W) columns and rows that `forward` takes to the pixels [px]. Where a near surface has uncovered
-    a far one, the rim of either is drawn out.
+    Returns: (N, H, W) columns and rows that `forward` takes to the pixels [px]. Where a near surface has
+    uncovered a far one, the rim of either is drawn out.
     """
     size = (frames, geometry.height_px, geometry.width_px)
     to_x = np.broadcast_to(np.arange(geometry.width_px, dtype=np.float64), size)

@@ -24,12 +24,8 @@ def moments_behind(
     To first order these are f(m) and f'(m)^2 v; Gauss-Hermite quadrature with 15 nodes also holds where the
     curve bends within the noise, as near black.
 
-    Parameters
-    ----------
-    curve
-        Maps an array of samples to one of the same shape [DN].
-    mean_dn, variance_dn2
-        Moments of x; they broadcast [DN, DN^2].
+    `curve`: maps an array of samples to one of the same shape [DN]. `mean_dn`, `variance_dn2`: moments of x;
+    they broadcast [DN, DN^2].
 
     Examples
     --------

@@ -15,12 +15,7 @@ AS_GOOD_AS_LEVEL = 0.01
 def even_polynomial(radius: NDArray[np.float64], *coefficients: float) -> NDArray[np.float64]:
     """``1 + k1 r^2 + k2 r^4 + ...``, never below 0.
 
-    Parameters
-    ----------
-    radius
-        Over half the sensor's diagonal, any shape [1].
-    coefficients
-        k1, k2, ... [1].
+    `radius`: over half the sensor's diagonal, any shape [1]. `coefficients`: k1, k2, ... [1].
 
     Examples
     --------

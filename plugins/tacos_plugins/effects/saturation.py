@@ -96,12 +96,7 @@ class Saturation:
 def cut_off_moments(mean_dn: ArrayLike, variance_dn2: ArrayLike, level_dn: float) -> Moments:
     """Mean and variance of ``min(x, level)`` for Gaussian x.
 
-    Parameters
-    ----------
-    mean_dn, variance_dn2
-        Moments of x; they broadcast [DN, DN^2].
-    level_dn
-        Where x is cut off [DN].
+    `mean_dn`, `variance_dn2`: moments of x; they broadcast [DN, DN^2]. `level_dn`: where x is cut off [DN].
 
     Examples
     --------

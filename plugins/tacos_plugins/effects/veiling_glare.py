@@ -74,17 +74,9 @@ class VeilingGlare:
 def spread_widely(light: NDArray[np.floating], sigma_px: float) -> NDArray[np.floating]:
     """Light blurred by a Gaussian as wide as a good part of the image; its mean stays.
 
-    Parameters
-    ----------
-    light
-        (N, H, W, C) float32 or float64.
-    sigma_px
-        Standard deviation [px].
+    `light`: (N, H, W, C) float32 or float64. `sigma_px`: standard deviation [px].
 
-    Returns
-    -------
-    NDArray
-        Same shape and dtype.
+    Returns: same shape and dtype.
     """
     height, width = light.shape[1:3]
     coarse = (min(width, _COARSE_PX), min(height, max(1, round(_COARSE_PX * height / width))))

@@ -85,10 +85,7 @@ class DataSheet:
 def data_sheet(channel: Channel, where: str, rng: np.random.Generator) -> DataSheet:
     """Evaluate a channel.
 
-    Raises
-    ------
-    UserError
-        When its levels do not give a system gain.
+    Raises `UserError` when its levels do not give a system gain.
     """
     brights, darks = arrays_of(channel)
     selected = select(channel, brights, darks, where)

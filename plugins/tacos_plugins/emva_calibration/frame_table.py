@@ -19,27 +19,18 @@ _KINDS = ("bright", "dark")
 
 @dataclass(frozen=True)
 class FrameGroup:
-    """Frames of one light and one exposure.
-
-    Parameters
-    ----------
-    kind
-        ``bright`` or ``dark``.
-    exposure_s
-        Exposure time [s].
-    photons
-        Mean number of photons that hit a pixel [1]; None where that is not known.
-    level
-        Name of the light, where the table has a column ``level``.
-    files
-        In the order of the table.
-    """
+    """Frames of one light and one exposure."""
 
     kind: str
+    """``bright`` or ``dark``."""
     exposure_s: float
+    """Exposure time [s]."""
     photons: float | None
+    """Mean number of photons that hit a pixel [1]; None where that is not known."""
     level: str
+    """Name of the light, where the table has a column ``level``."""
     files: tuple[Path, ...]
+    """In the order of the table."""
 
     def __str__(self) -> str:
         of_light = f", {self.photons:g} photons" if self.photons else ""
@@ -51,10 +42,7 @@ class FrameGroup:
 def read_frame_table(folder: Path) -> tuple[FrameGroup, ...]:
     """The groups of frames that a folder's table lists, by kind and exposure.
 
-    Raises
-    ------
-    UserError
-        With every fault of the table, and every file that is not there.
+    Raises `UserError` with every fault of the table, and every file that is not there.
     """
     path = folder / TABLE
     if not path.is_file():

@@ -56,25 +56,17 @@ class Brights:
 
 @dataclass(frozen=True)
 class Selection:
-    """What each figure rests on, decided once from what was measured.
-
-    Parameters
-    ----------
-    fitted, linear
-        (L,) levels of the fits of responsivity and gain, and of linearity.
-    saturation
-        Index of the saturated level; None where no level saturates.
-    darks_censored
-        Whether darkness is cut off at 0.
-    darks_fine
-        Whether darkness varies by less than rounding shows.
-    """
+    """What each figure rests on, decided once from what was measured."""
 
     fitted: NDArray[np.bool_]
     linear: NDArray[np.bool_]
+    """(L,) levels of the fits of responsivity and gain, and of linearity."""
     saturation: int | None
+    """Index of the saturated level; None where no level saturates."""
     darks_censored: bool
+    """Whether darkness is cut off at 0."""
     darks_fine: bool
+    """Whether darkness varies by less than rounding shows."""
 
     @property
     def free_offset(self) -> bool:
@@ -130,10 +122,7 @@ def at_exposure(darks: Darks, values: Array, exposure_s: Array) -> Array:
 def select(channel: Channel, brights: Brights, darks: Darks, where: str) -> Selection:
     """Decide on what each figure rests.
 
-    Raises
-    ------
-    UserError
-        When fewer than three levels are left for the gain.
+    Raises `UserError` when fewer than three levels are left for the gain.
     """
     signal = brights.mean_dn - at_exposure(darks, darks.mean_dn, brights.exposure_s)
     saturation = _saturation(brights)

@@ -46,10 +46,7 @@ def measure_channels(
 ) -> tuple[tuple[Channel, ...], tuple[FrameGroup, ...]]:
     """Moments of all groups, channel by channel, green or mono first, and the groups of one frame, left out.
 
-    Raises
-    ------
-    UserError
-        With every file that cannot be read or does not fit, or when no level has two frames.
+    Raises `UserError` with every file that cannot be read or does not fit, or when no level has two frames.
     """
     single = tuple(group for group in groups if len(group.files) < 2)
     paired = [group for group in groups if len(group.files) >= 2]

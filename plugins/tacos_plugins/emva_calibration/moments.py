@@ -19,42 +19,31 @@ Frame = Sequence[NDArray[np.integer]]
 
 @dataclass(frozen=True)
 class Moments:
-    """What a group of frames says of one channel.
-
-    Parameters
-    ----------
-    frames, pixels
-        How many there are; pixels of one frame.
-    mean_dn
-        Mean of all frames [DN].
-    variance_dn2, variance_error_dn2
-        Variance over time within rows and columns, and its standard error [DN^2].
-    bands_dn2, bands_error_dn2
-        Variance over time that whole rows and columns share, its expectation by chance taken off; and the
-        scatter that chance gives it [DN^2].
-    drift_dn
-        Root mean square of the difference of means of two frames in succession [DN].
-    lowest_dn, highest_dn
-        Smallest and largest sample [DN].
-    at_zero, at_highest
-        Share of samples that are 0, and that equal the largest [1].
-    bits
-        All samples joined by a bitwise or.
-    """
+    """What a group of frames says of one channel."""
 
     frames: int
     pixels: int
+    """How many there are; pixels of one frame."""
     mean_dn: float
+    """Mean of all frames [DN]."""
     variance_dn2: float
     variance_error_dn2: float
+    """Variance over time within rows and columns, and its standard error [DN^2]."""
     bands_dn2: float
     bands_error_dn2: float
+    """Variance over time that whole rows and columns share, its expectation by chance taken off; and the
+    scatter that chance gives it [DN^2].
+    """
     drift_dn: float
+    """Root mean square of the difference of means of two frames in succession [DN]."""
     lowest_dn: float
     highest_dn: float
+    """Smallest and largest sample [DN]."""
     at_zero: float
     at_highest: float
+    """Share of samples that are 0, and that equal the largest [1]."""
     bits: int
+    """All samples joined by a bitwise or."""
 
     def scaled(self, step_dn: int) -> Moments:
         """The same in steps of so many digital numbers."""
@@ -101,10 +90,7 @@ def difference(first: NDArray[np.integer], second: NDArray[np.integer]) -> Diffe
 def moments_of(frames: Iterable[Frame]) -> Moments:
     """Moments of a group of at least two frames; pairs are the first and second, third and fourth, ...
 
-    Raises
-    ------
-    ValueError
-        When there are fewer than two.
+    Raises `ValueError` when there are fewer than two.
     """
     found: list[Difference] = []
     means: list[float] = []

@@ -28,25 +28,16 @@ class Task:
 
 @dataclass(eq=False)
 class PoolWorker:
-    """A worker as its pool sees it.
-
-    Parameters
-    ----------
-    ready
-        Whether it has started.
-    task
-        What it does; None where it is idle.
-    at_hand
-        What the jobs it has had needed, and it may have kept.
-    makes, began_s
-        What it had to make for its task, and when it was given that [s].
-    """
+    """A worker as its pool sees it."""
 
     ready: bool = False
     task: Task | None = None
+    """What it does; None where it is idle."""
     at_hand: set[Affinity] = field(default_factory=set)
+    """What the jobs it has had needed, and it may have kept."""
     makes: Making = "nothing"
     began_s: float = 0.0
+    """What it had to make for its task, and when it was given that [s]."""
 
     @property
     def idle(self) -> bool:
@@ -87,10 +78,8 @@ class JobPool(ABC, Generic[Worker]):
     def outcomes(self, jobs: Sequence[Any]) -> Iterator[Answer | Lost]:
         """One outcome for each job, in their order, each as soon as it and those before it are there.
 
-        Raises
-        ------
-        RuntimeError
-            When the pool is closed meanwhile, or workers end before they are ready for a first job.
+        Raises `RuntimeError` when the pool is closed meanwhile, or workers end before they are ready for a
+        first job.
         """
         self._round += 1  # what workers still do for a round that was left early is dropped when it comes
         self._waiting = deque(Task(self._round, index) for index in range(len(jobs)))

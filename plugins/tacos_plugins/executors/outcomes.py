@@ -35,12 +35,8 @@ def results(
 ) -> Iterator[Result]:
     """The results of jobs from their outcomes, in order.
 
-    Raises
-    ------
-    JobLost
-        For a job that was lost, where ``evaluate`` has no answer to that (a method ``lost``).
-    Exception
-        What a job raised, unchanged.
+    Raises `JobLost` for a job that was lost, where ``evaluate`` has no answer to that (a method ``lost``).
+    What a job raised leaves it unchanged.
     """
     for job, outcome in zip(jobs, outcomes, strict=True):
         if isinstance(outcome, Lost):

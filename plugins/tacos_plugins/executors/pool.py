@@ -33,21 +33,14 @@ MOST_FAILED_STARTS = 3
 
 @dataclass(frozen=True)
 class Limits:
-    """What a worker may take before it is replaced.
-
-    Parameters
-    ----------
-    job_s
-        Longest time of a job [s]; None for one that follows from those seen (`JobTimes.generous_s`).
-    resident_mib
-        Memory after a job [MiB]; None for any.
-    jobs
-        How many jobs; None for any.
-    """
+    """What a worker may take before it is replaced."""
 
     job_s: float | None = None
+    """Longest time of a job [s]; None for one that follows from those seen (`JobTimes.generous_s`)."""
     resident_mib: float | None = None
+    """Memory after a job [MiB]; None for any."""
     jobs: int | None = None
+    """How many jobs; None for any."""
 
 
 class Pool(JobPool[WorkerProcess]):
@@ -55,8 +48,6 @@ class Pool(JobPool[WorkerProcess]):
 
     Parameters
     ----------
-    workers
-        How many processes at most.
     limits
         When a worker is replaced.
     threads

@@ -23,12 +23,8 @@ class PoolExecutor(ABC):
     def map(self, evaluate: Callable[[Job], Result], jobs: Sequence[Job]) -> Iterator[Result]:
         """The results in the order of the jobs; those not begun are dropped when the iterator is left early.
 
-        Raises
-        ------
-        JobLost
-            When the worker of a job was lost each time and ``evaluate`` has no answer to that.
-        RuntimeError
-            When the executor is closed meanwhile, or a worker cannot start.
+        Raises `JobLost` when the worker of a job was lost each time and ``evaluate`` has no answer to that.
+        Raises `RuntimeError` when the executor is closed meanwhile, or a worker cannot start.
         """
         if not jobs:
             return

@@ -22,24 +22,14 @@ LEAVE = b""
 
 @dataclass(frozen=True)
 class Answer:
-    """What a worker sends back for a job; and once, empty, when it is ready for the first.
-
-    Parameters
-    ----------
-    value
-        What the function returned.
-    error
-        What it raised instead.
-    traceback
-        Where it raised, as text.
-    resident_mib
-        Memory the worker holds after the job [MiB].
-    """
+    """What a worker sends back for a job; and once, empty, when it is ready for the first."""
 
     value: Any = None
     error: Exception | None = None
     traceback: str = ""
+    """Where it raised, as text."""
     resident_mib: float = 0.0
+    """Memory the worker holds after the job [MiB]."""
 
 
 class WorkerState:

@@ -27,10 +27,7 @@ def explicit_levels() -> dict[str, int]:
 def send_logs(channel: Connection, levels: Mapping[str, int]) -> None:
     """Send all that this process logs from now on, and the warnings of Python with it.
 
-    Parameters
-    ----------
-    levels
-        The level of each logger, as in the process that reads them (`explicit_levels`).
+    `levels`: the level of each logger, as in the process that reads them (`explicit_levels`).
     """
     for name, level in levels.items():
         logging.getLogger(name).setLevel(level)

@@ -21,8 +21,6 @@ class WorkerProcess(PoolWorker):
         Counts the workers of a pool from 1; their log lines bear it.
     context
         How processes are started.
-    threads
-        Threads it may compute with.
     """
 
     def __init__(self, number: int, context: SpawnContext, payload: bytes, threads: int) -> None:
@@ -52,10 +50,7 @@ class WorkerProcess(PoolWorker):
     def answer(self) -> bytes | None:
         """What it has sent, if anything.
 
-        Raises
-        ------
-        EOFError, ConnectionResetError
-            When it is dead.
+        Raises `EOFError` or `ConnectionResetError` when it is dead.
         """
         if self.channel.poll():
             return self.channel.recv_bytes()

@@ -51,10 +51,7 @@ def _cache(arguments: argparse.Namespace) -> int:
 def size_bytes(text: str) -> int:
     """A size in words as bytes.
 
-    Raises
-    ------
-    UserError
-        When it is none.
+    Raises `UserError` when it is none.
 
     Examples
     --------

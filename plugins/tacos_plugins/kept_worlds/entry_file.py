@@ -25,13 +25,7 @@ class Damaged(Exception):
 
 
 def packed(plain: Any, arrays: Sequence[NDArray[Any]]) -> bytes:
-    """The content of a file.
-
-    Parameters
-    ----------
-    plain
-        Anything JSON can hold.
-    """
+    """The content of a file."""
     from safetensors.numpy import save
 
     text = np.frombuffer(json.dumps(plain).encode(), np.uint8)
@@ -44,10 +38,7 @@ def packed(plain: Any, arrays: Sequence[NDArray[Any]]) -> bytes:
 def unpacked(data: bytes) -> tuple[Any, list[NDArray[Any]]]:
     """The plain data and the arrays, read-only, of the content of a file.
 
-    Raises
-    ------
-    Damaged
-        When it is not what `packed` gave.
+    Raises `Damaged` when it is not what `packed` gave.
     """
     from safetensors.numpy import load
 
@@ -66,10 +57,7 @@ def unpacked(data: bytes) -> tuple[Any, list[NDArray[Any]]]:
 def write_whole(path: Path, data: bytes) -> None:
     """Write a file whole or not at all, whoever else writes it at this moment.
 
-    Raises
-    ------
-    OSError
-        When it cannot be written; nothing of it is left then.
+    Raises `OSError` when it cannot be written; nothing of it is left then.
     """
     partial = path.with_name(f"{path.stem}.{os.getpid()}.partial")
     try:

@@ -26,13 +26,7 @@ CLASSES = (Episode, World, MeshPart, Material, Object, Light, Trajectory, Crossi
 
 
 class StoredEpisodes:
-    """Episodes of all scenes in a `WorldStore`; see `tacos_framework.contracts.EpisodeStore`.
-
-    Parameters
-    ----------
-    store
-        Where they are kept.
-    """
+    """Episodes of all scenes in a `WorldStore`; see `tacos_framework.contracts.EpisodeStore`."""
 
     def __init__(self, store: WorldStore):
         self._store = store

@@ -61,12 +61,8 @@ class WorldStore:
     def get(self, key: str, make: Callable[[], Made], classes: Sequence[type[Any]]) -> Made:
         """What is kept under a key, or else what `make` gives, then kept if it can be.
 
-        Parameters
-        ----------
-        key
-            Content key of all that it follows from.
-        classes
-            The frozen dataclasses it consists of, beside arrays and plain data.
+        `key`: content key of all that it follows from. `classes`: the frozen dataclasses it consists of,
+        beside arrays and plain data.
         """
         found = self._read(key, classes)
         if found is None:

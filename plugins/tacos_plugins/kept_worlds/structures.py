@@ -19,17 +19,10 @@ class CannotBeKept(TypeError):
 def taken_apart(value: Any, classes: Sequence[type[Any]]) -> tuple[Any, list[Array]]:
     """Plain data that JSON can hold, and the arrays it refers to by number, each once.
 
-    Parameters
-    ----------
-    value
-        Dataclasses of `classes`, tuples, lists, numbers, text, None and arrays, nested.
-    classes
-        The dataclasses that may occur; subclasses of theirs may not, as they may hold what is not a field.
+    `value`: dataclasses of `classes`, tuples, lists, numbers, text, None and arrays, nested. `classes`: the
+    dataclasses that may occur; subclasses of theirs may not, as they may hold what is not a field.
 
-    Raises
-    ------
-    CannotBeKept
-        When anything else occurs in it.
+    Raises `CannotBeKept` when anything else occurs in it.
 
     Examples
     --------

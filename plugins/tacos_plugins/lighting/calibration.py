@@ -15,12 +15,7 @@ from tacos_plugins.lighting.transport import LightTransport
 def scale_light(world: World, factor: float, *, key: str) -> World:
     """The world with all light (sources, emission, indirect, ambient) multiplied by a factor.
 
-    Parameters
-    ----------
-    factor
-        By which luminances, fluxes and illuminances are multiplied [1].
-    key
-        Content key of the new world.
+    `factor`: by which luminances, fluxes and illuminances are multiplied [1].
     """
     indirect = world.indirect_lux
     return replace(

@@ -29,16 +29,10 @@ def direct_irradiance(
 ) -> NDArray[np.float64]:
     """Irradiance straight from the lights, with soft shadows.
 
-    Parameters
-    ----------
-    points_m, normals
-        (N, 3) points and the unit normals of the surface elements there [m].
-    samples_per_edge
-        Each light is sampled at so many by so many points.
+    `points_m`, `normals`: (N, 3) points and the unit normals of the surface elements there [m].
+    `samples_per_edge`: each light is sampled at so many by so many points.
 
-    Returns
-    -------
-    (N, 3) irradiance per channel [lux].
+    Returns: (N, 3) irradiance per channel [lux].
     """
     total = np.zeros((len(points_m), 3))
     starts = (points_m + SURFACE_OFFSET_M * normals).astype(np.float32)

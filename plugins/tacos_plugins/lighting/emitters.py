@@ -43,10 +43,7 @@ def _chromaticity(temperature_k: float) -> tuple[float, float]:
 def white_at(temperature_k: float) -> NDArray[np.float64]:
     """(3,) linear-sRGB channels of white light with a correlated colour temperature, of luminance 1.
 
-    Parameters
-    ----------
-    temperature_k
-        Correlated colour temperature, 1667 to 25000 [K]. 6504 K gives almost equal channels.
+    `temperature_k`: correlated colour temperature, 1667 to 25000 [K]. 6504 K gives almost equal channels.
     """
     if not 1667 <= temperature_k <= 25000:
         raise ValueError(f"colour temperature is defined from 1667 to 25000 K, not {temperature_k}")

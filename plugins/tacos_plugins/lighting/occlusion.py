@@ -17,21 +17,14 @@ _RAYS_PER_CALL = 1 << 20
 
 @dataclass(frozen=True, eq=False)
 class WorldHits:
-    """First hits of rays.
-
-    Parameters
-    ----------
-    triangle
-        (N,) int32 index into the triangles of all parts in order; -1 where the ray left the world.
-    barycentric
-        (N, 3) float32 weights of the triangle's three vertices [1].
-    distance_m
-        (N,) float32, in lengths of the direction vectors [m].
-    """
+    """First hits of rays."""
 
     triangle: NDArray[np.int32]
+    """(N,) int32 index into the triangles of all parts in order; -1 where the ray left the world."""
     barycentric: Vectors
+    """(N, 3) float32 weights of the triangle's three vertices [1]."""
     distance_m: NDArray[np.float32]
+    """(N,) float32, in lengths of the direction vectors [m]."""
 
 
 class Occlusion:

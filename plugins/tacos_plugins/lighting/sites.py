@@ -16,22 +16,15 @@ _NUDGE_M = 0.04
 
 @dataclass(frozen=True, eq=False)
 class Sites:
-    """Sites of a world.
-
-    Parameters
-    ----------
-    points_m, normals
-        (S, 3) float32 [m].
-    material
-        (S,) index into `World.materials`.
-    of_vertex
-        (V,) site of each vertex of all parts.
-    """
+    """Sites of a world."""
 
     points_m: NDArray[np.float32]
     normals: NDArray[np.float32]
+    """(S, 3) float32 [m]."""
     material: NDArray[np.int32]
+    """(S,) index into `World.materials`."""
     of_vertex: NDArray[np.int32]
+    """(V,) site of each vertex of all parts."""
 
 
 def merge_vertices(world: World, occlusion: Occlusion, merge_m: float) -> Sites:

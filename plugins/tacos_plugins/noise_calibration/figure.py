@@ -33,28 +33,18 @@ _DOT: dict[str, Any] = {
 
 @dataclass(frozen=True, eq=False)
 class Cloud:
-    """Measured levels of a channel and a line to hold against them.
-
-    Parameters
-    ----------
-    channel
-        R, G, B or mono.
-    signal_dn, variance_dn2
-        (L,) measured, above black [DN, DN^2].
-    error_dn2
-        (L,) standard error of the variance [DN^2].
-    used
-        (L,) which levels count; the others are drawn faintly.
-    line_dn2
-        (L,) the line at those signals [DN^2].
-    """
+    """Measured levels of a channel and a line to hold against them."""
 
     channel: str
     signal_dn: NDArray[np.float64]
     variance_dn2: NDArray[np.float64]
+    """(L,) measured, above black [DN, DN^2]."""
     error_dn2: NDArray[np.float64]
+    """(L,) standard error of the variance [DN^2]."""
     used: NDArray[np.bool_]
+    """(L,) which levels count; the others are drawn faintly."""
     line_dn2: NDArray[np.float64]
+    """(L,) the line at those signals [DN^2]."""
 
 
 def photon_transfer(

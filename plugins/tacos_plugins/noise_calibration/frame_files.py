@@ -22,18 +22,12 @@ _COLOURS = {1: ("mono",), 3: ("R", "G", "B")}
 
 @dataclass(frozen=True, eq=False)
 class FrameStack:
-    """Frames of one scene, taken apart by channel.
-
-    Parameters
-    ----------
-    planes
-        For each channel its (F, H, W) uint8 or uint16 arrays; two for the green of a mosaic [DN].
-    source
-        Where the frames come from, for messages.
-    """
+    """Frames of one scene, taken apart by channel."""
 
     planes: Mapping[str, Sequence[NDArray[Any]]]
+    """For each channel its (F, H, W) uint8 or uint16 arrays; two for the green of a mosaic [DN]."""
     source: str
+    """Where the frames come from, for messages."""
 
     @property
     def frames(self) -> int:
@@ -77,10 +71,8 @@ def stack_of(frames: NDArray[Any], source: str, mosaic: Mosaic = "none") -> Fram
 def read_stack(pattern: str, mosaic: Mosaic = "none") -> FrameStack:
     """Read the frames of a folder, or those that a glob finds, in the order of their names.
 
-    Raises
-    ------
-    UserError
-        When there are none, or with every file that cannot be read or does not match the first.
+    Raises `UserError` when there are none, or with every file that cannot be read or does not match the
+    first.
     """
     folder = Path(pattern)
     found = sorted(folder.iterdir()) if folder.is_dir() else sorted(map(Path, glob.glob(pattern)))

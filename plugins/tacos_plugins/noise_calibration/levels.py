@@ -28,38 +28,26 @@ _OUTLIER_PROBABILITY = 1e-7
 
 @dataclass(frozen=True, eq=False)
 class Levels:
-    """What was measured of one channel, level by level, from dark to bright.
-
-    Parameters
-    ----------
-    mean_dn
-        (L,) mean, pedestal included [DN].
-    variance_dn2
-        (L,) variance over time, rounding included [DN^2].
-    error_dn2
-        (L,) its standard error [DN^2].
-    fixed_dn2
-        (L,) variance from pixel to pixel that stays from frame to frame [DN^2].
-    pixels
-        (L,) pixels in the level.
-    clipped
-        (L,) share of samples at 0 or at the white level [1].
-    edge_excess
-        Variance over time where brightness changes, over that of even parts; far above 1 for what moves [1].
-    outliers
-        Pixels left out because they jump: their variance is far beyond chance.
-    frames
-        How many frames there were.
-    """
+    """What was measured of one channel, level by level, from dark to bright."""
 
     mean_dn: NDArray[np.float64]
+    """(L,) mean, pedestal included [DN]."""
     variance_dn2: NDArray[np.float64]
+    """(L,) variance over time, rounding included [DN^2]."""
     error_dn2: NDArray[np.float64]
+    """(L,) its standard error [DN^2]."""
     fixed_dn2: NDArray[np.float64]
+    """(L,) variance from pixel to pixel that stays from frame to frame [DN^2]."""
     pixels: NDArray[np.int64]
+    """(L,) pixels in the level."""
     clipped: NDArray[np.float64]
+    """(L,) share of samples at 0 or at the white level [1]."""
     edge_excess: float
+    """Variance over time where brightness changes, over that of even parts; far above 1 for what moves
+    [1].
+    """
     outliers: int
+    """Pixels left out because they jump: their variance is far beyond chance."""
     frames: int
 
 

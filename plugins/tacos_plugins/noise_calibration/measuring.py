@@ -63,10 +63,8 @@ def measure(
 ) -> tuple[Measured, ...]:
     """Noise of every channel.
 
-    Raises
-    ------
-    UserError
-        When the frames are too few, the same, all saturated, of one brightness, or of a scene that moved.
+    Raises `UserError` when the frames are too few, the same, all saturated, of one brightness, or of a scene
+    that moved.
     """
     if stack.frames < 2:
         raise UserError(

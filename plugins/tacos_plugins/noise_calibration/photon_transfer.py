@@ -34,35 +34,24 @@ CLIPPED_SHARE = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class AffineFit:
-    """A line through the levels of a channel, with 95 % confidence intervals.
-
-    Parameters
-    ----------
-    photon_dn, photon_ci
-        Slope s_p and its interval [DN].
-    thermal_dn2, thermal_ci
-        Variance without signal s_t, rounding taken off, and its interval [DN^2].
-    used
-        (L,) which levels the line rests on.
-    misfit
-        Reduced chi square: 1 where the line explains all but chance [1].
-    bend
-        How far a parabola departs from the line at the brightest level used, relative to its variance [1].
-    bend_z
-        The same in standard errors [1].
-    saturation_dn
-        Mean at which the variance collapses below the white level; None where it does not [DN].
-    """
+    """A line through the levels of a channel, with 95 % confidence intervals."""
 
     photon_dn: float
     photon_ci: tuple[float, float]
+    """Slope s_p and its interval [DN]."""
     thermal_dn2: float
     thermal_ci: tuple[float, float]
+    """Variance without signal s_t, rounding taken off, and its interval [DN^2]."""
     used: NDArray[np.bool_]
+    """(L,) which levels the line rests on."""
     misfit: float
+    """Reduced chi square: 1 where the line explains all but chance [1]."""
     bend: float
+    """How far a parabola departs from the line at the brightest level used, relative to its variance [1]."""
     bend_z: float
+    """The same in standard errors [1]."""
     saturation_dn: float | None
+    """Mean at which the variance collapses below the white level; None where it does not [DN]."""
 
     def variance_dn2(self, signal_dn: NDArray[np.float64]) -> NDArray[np.float64]:
         """Variance on a signal above black, rounding included [DN^2]."""
@@ -77,10 +66,7 @@ def fit_affine(levels: Levels, *, black_level_dn: float) -> AffineFit:
     not spread over whole numbers, or that lie beyond the point where photosites fill up, are left out.
     Intervals are widened where levels scatter more than chance allows.
 
-    Raises
-    ------
-    ValueError
-        When fewer than three levels are left, or they are all equally bright.
+    Raises `ValueError` when fewer than three levels are left, or they are all equally bright.
     """
     used = (levels.clipped <= CLIPPED_SHARE) & (levels.variance_dn2 >= FINEST_DN2)
     saturation_dn = _saturation_dn(levels, used)

@@ -143,10 +143,8 @@ class CmaEs:
     def tell(self, evaluated: Sequence[Evaluated]) -> None:
         """Take in the fitness, learn from it, and draw the next generation.
 
-        Raises
-        ------
-        ValueError
-            When a fitness is NaN or infinite, or the results are not those of the candidates asked.
+        Raises `ValueError` when a fitness is NaN or infinite, or the results are not those of the candidates
+        asked.
         """
         validate_results(evaluated, self._asked)
         self._take([result.fitness for result in evaluated])
@@ -172,10 +170,8 @@ class CmaEs:
     def restore(self, state: dict[str, Any]) -> None:
         """Go on from a `state`.
 
-        Raises
-        ------
-        ValueError
-            When telling it all again leads to other candidates, as after a change of pycma or settings.
+        Raises `ValueError` when telling it all again leads to other candidates, as after a change of pycma or
+        settings.
         """
         self._rng.bit_generator.state = state["rng"]
         self._begin()

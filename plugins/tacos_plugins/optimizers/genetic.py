@@ -137,10 +137,7 @@ class Genetic:
     def tell(self, evaluated: Sequence[Evaluated]) -> None:
         """Take in the generation's fitness and breed the next one.
 
-        Raises
-        ------
-        ValueError
-            When a fitness is NaN, which has no rank.
+        Raises `ValueError` when a fitness is NaN, which has no rank.
         """
         fitness: dict[Candidate, float] = {}  # equal candidates once, or elites would end as copies of one
         for result in evaluated:

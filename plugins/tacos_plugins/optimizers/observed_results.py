@@ -11,10 +11,8 @@ from tacos_framework import Candidate, Evaluated
 def validate_results(evaluated: Sequence[Evaluated], asked: Sequence[Candidate]) -> None:
     """Refuse results that are not those of the candidates asked, or that have no rank.
 
-    Raises
-    ------
-    ValueError
-        When a fitness is NaN or infinite, or the candidates are not those asked, in their order.
+    Raises `ValueError` when a fitness is NaN or infinite, or the candidates are not those asked, in their
+    order.
     """
     for result in evaluated:
         if result.fitness is not None and not math.isfinite(result.fitness):

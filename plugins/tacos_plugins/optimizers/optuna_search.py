@@ -166,10 +166,8 @@ class OptunaSearch:
     def tell(self, evaluated: Sequence[Evaluated]) -> None:
         """Take in the fitness of the batch, and what it breaks.
 
-        Raises
-        ------
-        ValueError
-            When a fitness is NaN or infinite, or the results are not those of the candidates asked.
+        Raises `ValueError` when a fitness is NaN or infinite, or the results are not those of the candidates
+        asked.
         """
         from optuna.trial import TrialState
 

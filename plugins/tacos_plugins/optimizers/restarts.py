@@ -13,16 +13,11 @@ MOST_DOUBLINGS = 6
 
 @dataclass(frozen=True)
 class Descent:
-    """How one descent starts.
-
-    Parameters
-    ----------
-    sigma
-        First standard deviation, in edges of the unit cube [1].
-    """
+    """How one descent starts."""
 
     population: int
     sigma: float
+    """First standard deviation, in edges of the unit cube [1]."""
 
 
 class Restarts:

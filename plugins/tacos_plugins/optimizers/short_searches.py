@@ -6,12 +6,7 @@ from __future__ import annotations
 def spread_only(evaluations: int, starts: int) -> str:
     """All evaluations belong to the first candidates, which are spread over the space or drawn from it.
 
-    Parameters
-    ----------
-    evaluations
-        Candidates evaluated in all.
-    starts
-        Candidates that are chosen before any result counts.
+    `evaluations`: candidates evaluated in all. `starts`: candidates that are chosen before any result counts.
     """
     return (
         f"Nothing is searched for: the first {starts} candidates are chosen before any result counts, and "

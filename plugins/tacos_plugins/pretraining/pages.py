@@ -16,17 +16,7 @@ from tacos_report.palette import camera_colour
 
 @dataclass(frozen=True, eq=False)
 class PretrainingOutcome:
-    """What came out.
-
-    Parameters
-    ----------
-    images, held_out
-        Images trained on and scored on.
-    epochs
-        Losses, scores and seconds of each pass over the images.
-    made_by
-        The header of the file.
-    """
+    """What came out."""
 
     node: str
     use: str
@@ -34,8 +24,11 @@ class PretrainingOutcome:
     size_bytes: int
     images: int
     held_out: int
+    """Images trained on and scored on."""
     epochs: tuple[Mapping[str, Any], ...]
+    """Losses, scores and seconds of each pass over the images."""
     made_by: Mapping[str, str]
+    """The header of the file."""
 
     @property
     def scores(self) -> Mapping[str, float]:

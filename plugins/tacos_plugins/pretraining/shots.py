@@ -21,21 +21,13 @@ MOST_TRIES = 1000
 
 @dataclass(frozen=True)
 class TrainingShot:
-    """A camera's part of a trip through a world.
-
-    Parameters
-    ----------
-    values
-        The candidate, as plain values.
-    episode
-        The part of the trip.
-    stem
-        Begins the names of the files its frames go to.
-    """
+    """A camera's part of a trip through a world."""
 
     values: Mapping[str, Any]
     episode: EpisodeSpec
+    """The part of the trip."""
     stem: str
+    """Begins the names of the files its frames go to."""
 
     def files(self, folder: Path) -> list[Path]:
         """Where its frames are kept, batch by batch."""
@@ -75,10 +67,7 @@ def shots_of_worlds(
 ) -> Iterator[tuple[TrainingShot, ...]]:
     """For each world its shots, `images` in all: every camera another one, drawn from the design space.
 
-    Raises
-    ------
-    UserError
-        When hardly any camera keeps the constraints.
+    Raises `UserError` when hardly any camera keeps the constraints.
     """
     for world in range(-(-images // images_per_world)):
         frames = min(images_per_world, images - world * images_per_world)

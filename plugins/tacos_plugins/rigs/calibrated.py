@@ -12,10 +12,7 @@ from tacos_plugins.rigs.optics import Optics
 def refuse_beside(calibration: CalibratedLens, variables: ReadOutVariables, *others: str) -> None:
     """Whether a calibration is the only word on the lens, and of the images that are read out.
 
-    Raises
-    ------
-    ValueError
-        With what to change.
+    Raises `ValueError` with what to change.
     """
     if twice := [name for name in others if getattr(variables, name) is not None]:
         raise ValueError(f"calibration and {twice[0]} both say the focal length: give one of the two")

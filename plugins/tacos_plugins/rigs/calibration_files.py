@@ -62,12 +62,8 @@ class CalibratedLens(Settings):
 def read_calibration(path: Path) -> dict[str, Any]:
     """The settings of a `CalibratedLens` in a file; of a camera chain the first camera.
 
-    Raises
-    ------
-    UserError
-        When the file cannot be read, or is no YAML.
-    ValueError
-        When something in it is missing, or not a lens that is known here.
+    Raises `UserError` when the file cannot be read, or is no YAML. Raises `ValueError` when something in it
+    is missing, or not a lens that is known here.
     """
     text = re.sub(r"\A%YAML[^\n]*\n", "", read_text(path, where=str(path)))  # OpenCV's directive is not YAML
     data = read_yaml(text.replace("!!opencv-matrix", ""), str(path), aliases=True).data

@@ -37,12 +37,8 @@ def derived_costs(
 
     Rates and exposures are those of each camera at its fastest; ``exposure_max_ms`` is the time of a frame.
 
-    Parameters
-    ----------
-    product
-        The whole camera, which has all cameras of the rig in it.
-    lens
-        The lens of each camera, where one was chosen.
+    `product`: the whole camera, which has all cameras of the rig in it. `lens`: the lens of each camera,
+    where one was chosen.
     """
     sensor, image = variables.sensor, variables.read_out
     found: dict[str, float | None] = {
@@ -78,10 +74,7 @@ def frame_rate_fps(sensor: SensorPart, *, rows: int, product: ProductPart | None
     A region of interest of fewer rows is read faster where line time and blanking are known. What a product
     is stated with counts at every size, as its link may be what limits it.
 
-    Parameters
-    ----------
-    rows
-        Rows of photosites that are read of each frame.
+    `rows`: rows of photosites that are read of each frame.
 
     Examples
     --------

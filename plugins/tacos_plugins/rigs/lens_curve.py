@@ -16,12 +16,9 @@ _POWERS = 1 + 2 * np.arange(5)
 def lens_of_curve(curve: str) -> tuple[float, Lens]:
     """Kannala and Brandt's lens along a curve, and its focal length over that with which the curve begins.
 
-    Parameters
-    ----------
-    curve
-        ``r/R = a*t + b*t^2 + ...`` with the field angle t [rad] and the radius R of the image circle, as
-        canopy photographs are calibrated. Kannala and Brandt's odd powers follow those of the catalog within
-        0.15 % of R by least squares.
+    `curve`: ``r/R = a*t + b*t^2 + ...`` with the field angle t [rad] and the radius R of the image circle, as
+    canopy photographs are calibrated. Kannala and Brandt's odd powers follow those of the catalog within 0.15
+    % of R by least squares.
 
     Examples
     --------

@@ -89,10 +89,7 @@ class ReadOutVariables(Settings):
     def projected(self) -> Lens:
         """The lens of the projection.
 
-        Raises
-        ------
-        ValueError
-            Where it has no such image circle.
+        Raises `ValueError` where it has no such image circle.
         """
         half_deg = None if self.image_circle_deg is None else self.image_circle_deg / 2
         try:
@@ -103,10 +100,7 @@ class ReadOutVariables(Settings):
     def optics_for(self, variable: str, size_mm: float) -> Optics:
         """The optics with the field of view of a variable across a length of the sensor [mm].
 
-        Raises
-        ------
-        ValueError
-            Where the projection has no such field of view.
+        Raises `ValueError` where the projection has no such field of view.
         """
         try:
             return optics_for(size_mm, getattr(self, variable), self.projected())

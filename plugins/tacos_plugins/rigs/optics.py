@@ -70,10 +70,7 @@ def notes_on_circle(optics: Optics, sensor: SensorPart) -> Iterator[str]:
 def optics_for(size_mm: float, field_deg: float, lens: Lens) -> Optics:
     """The focal length at which a length of the sensor sees an angle; undoes `field_of_view_deg`.
 
-    Raises
-    ------
-    ValueError
-        Where the lens has no such field of view.
+    Raises `ValueError` where the lens has no such field of view.
 
     Examples
     --------

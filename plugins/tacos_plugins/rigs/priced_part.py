@@ -30,10 +30,7 @@ class PricedPart(Settings):
 def prices_of(row: Mapping[str, Any]) -> dict[str, float]:
     """The prices in the columns of a row, by currency.
 
-    Raises
-    ------
-    ValueError
-        Where a column ends in no currency.
+    Raises `ValueError` where a column ends in no currency.
 
     Examples
     --------
@@ -55,12 +52,8 @@ def prices_of(row: Mapping[str, Any]) -> dict[str, float]:
 def total_prices(parts: Iterable[Mapping[str, float]], per_euro: Mapping[str, float]) -> dict[str, float]:
     """The sum of the parts' prices, in each currency in which all of them are known.
 
-    Parameters
-    ----------
-    parts
-        Of each part its prices by currency.
-    per_euro
-        What one euro is in other currencies; without it, prices in two currencies are not added.
+    `parts`: of each part its prices by currency. `per_euro`: what one euro is in other currencies; without
+    it, prices in two currencies are not added.
 
     Examples
     --------

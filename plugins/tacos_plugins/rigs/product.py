@@ -48,10 +48,7 @@ class ProductPart(SensorPart):
     def optics(self, image_circle_deg: float | None = None) -> Optics:
         """Its lens, with which its sensor shows the field of view, or that of the focal length.
 
-        Raises
-        ------
-        ValueError
-            Where the projection has no such field of view, or image circle.
+        Raises `ValueError` where the projection has no such field of view, or image circle.
         """
         half_deg = None if image_circle_deg is None else image_circle_deg / 2
         lens = Lens(self.projection or "rectilinear", half_field_deg=half_deg)
@@ -70,10 +67,7 @@ class StereoProduct(ProductPart):
 def with_parts_of_product(given: Any) -> Any:
     """Variables of a rig with the sensor, and the baseline, of the product among them.
 
-    Raises
-    ------
-    ValueError
-        Where the product and what it brings are both given.
+    Raises `ValueError` where the product and what it brings are both given.
     """
     camera = given.get("camera") if isinstance(given, Mapping) else None
     row = camera.as_dict() if isinstance(camera, CatalogPart) else camera
@@ -91,10 +85,7 @@ def with_parts_of_product(given: Any) -> Any:
 def refuse_beside_product(variables: ReadOutVariables, *others: str) -> None:
     """Refuse what a product brings itself, where it is given beside one.
 
-    Raises
-    ------
-    ValueError
-        With what to leave out.
+    Raises `ValueError` with what to leave out.
     """
     twice = [name for name in others if getattr(variables, name) is not None]
     twice += ["projection"] if variables.projection != "rectilinear" else []

@@ -94,12 +94,7 @@ def outward_rig(
 def derived_together(outlooks: Sequence[Outlook], sensor: SensorPart) -> dict[str, float]:
     """Optics of the first camera, and what all come to: number, pixels, power if it is known, angle in view.
 
-    Parameters
-    ----------
-    outlooks
-        Where the cameras look, at least one.
-    sensor
-        What is read out of each.
+    `outlooks`: where the cameras look, at least one. `sensor`: what is read out of each.
     """
     count = len(outlooks)
     together = {

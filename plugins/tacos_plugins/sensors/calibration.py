@@ -49,15 +49,9 @@ class Calibration(Settings):
 def load_calibration(name: str | Path, folder: Path | None = None) -> Calibration:
     """A shipped calibration by its name (``flea3_imx172``), or one of the user's by the path of its file.
 
-    Parameters
-    ----------
-    folder
-        The folder of the recipe: its paths start there and must not leave it. None lifts that.
+    `folder`: the folder of the recipe: its paths start there and must not leave it. None lifts that.
 
-    Raises
-    ------
-    UserError
-        When there is none, or with all that is wrong with it.
+    Raises `UserError` when there is none, or with all that is wrong with it.
     """
     shipped = shipped_folder("catalogs") / "noise"
     document = read_yaml(find_file(name, shipped, folder=folder, noun="noise calibration"))

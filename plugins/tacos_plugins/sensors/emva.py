@@ -141,10 +141,8 @@ class Emva:
     ) -> NDArray[np.float32]:
         """See `tacos_framework.contracts.Sensor.expect`; without the dark signal, which joins in `draw`.
 
-        Raises
-        ------
-        CandidateFailed
-            When neither the catalog nor the settings know all that the model needs of an image sensor.
+        Raises `CandidateFailed` when neither the catalog nor the settings know all that the model needs of an
+        image sensor.
         """
         if self.is_mono(camera):
             light_cd_m2 = luminance(light_cd_m2)[..., None].astype(np.float32)
@@ -221,10 +219,7 @@ class Emva:
     def photosite(self, camera: Camera) -> Photosite:
         """What is known of a camera's photosites: by the catalog, else by the settings.
 
-        Raises
-        ------
-        CandidateFailed
-            When something is known by neither; says what, for which image sensor.
+        Raises `CandidateFailed` when something is known by neither; says what, for which image sensor.
         """
         known = {name: self._known(camera, name) for name in NEEDED}
         missing = [f"{name} ({NEEDED[name]})" for name, value in known.items() if value is None]

@@ -29,25 +29,17 @@ from tacos_framework import generator
 
 @dataclass(frozen=True)
 class FigurePrior:
-    """Prior of one figure over sensors.
-
-    Parameters
-    ----------
-    intercept, slope
-        Of f(y) over ln of the pitch in um [1].
-    spread
-        Standard deviation of f(y) [1].
-    is_share
-        Whether f is the logit rather than the logarithm.
-    sensors
-        How many sensors it was fitted to [1].
-    """
+    """Prior of one figure over sensors."""
 
     intercept: float
     slope: float
+    """Of f(y) over ln of the pitch in um [1]."""
     spread: float
+    """Standard deviation of f(y) [1]."""
     sensors: int
+    """How many sensors it was fitted to [1]."""
     is_share: bool = False
+    """Whether f is the logit rather than the logarithm."""
 
     def value(self, pixel_um: float, z: float = 0.0) -> float:
         """The figure at a pitch, `z` standard deviations above the middle."""
@@ -75,14 +67,7 @@ Draw = tuple[int | str, ...]
 def assumed(figure: str, *, sensor: str, pixel_um: float, draw: Draw) -> float:
     """The figure of a sensor that does not state it; the same whenever the arguments are.
 
-    Parameters
-    ----------
-    figure
-        A name in `PRIORS`.
-    sensor
-        Name of the image sensor.
-    draw
-        ``(0,)`` is the middle of the prior, others are draws of it.
+    `figure`: a name in `PRIORS`. `draw`: ``(0,)`` is the middle of the prior, others are draws of it.
 
     Examples
     --------

@@ -109,12 +109,8 @@ class FeasibleCandidates:
     ) -> list[PlacedCandidate]:
         """At most `count` candidates near these, by turns.
 
-        Parameters
-        ----------
-        count
-            How many candidates to draw; those that break a constraint are left out.
-        step
-            Standard deviation of a step, in ranges of a variable.
+        `count`: how many candidates to draw; those that break a constraint are left out. `step`: standard
+        deviation of a step, in ranges of a variable.
         """
         found: dict[Candidate, PlacedCandidate] = {}
         for number in range(count if centres else 0):

@@ -16,13 +16,6 @@ NO_WIDTH = 1e-9
 class CoordinateSystem:
     """Names of coordinates, and the range of each that is scaled to 0..1.
 
-    Parameters
-    ----------
-    names
-        The coordinates, in the order of the columns.
-    lower, span
-        (names,) smallest value of each and the width of its range, in its own unit.
-
     Examples
     --------
     >>> system = CoordinateSystem.spanning([{"hfov_deg": 50.0, "pitch_deg": 0.0}, {"hfov_deg": 90.0}])
@@ -31,8 +24,10 @@ class CoordinateSystem:
     """
 
     names: tuple[str, ...]
+    """The coordinates, in the order of the columns."""
     lower: NDArray[np.float64]
     span: NDArray[np.float64]
+    """(names,) smallest value of each and the width of its range, in its own unit."""
 
     @classmethod
     def spanning(cls, points: Sequence[Mapping[str, float]]) -> CoordinateSystem:

@@ -47,19 +47,13 @@ SMALLEST, LARGEST = 1e-3, 1e3
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """The log posterior density of hyperparameters, up to a constant, and its gradient.
-
-    Parameters
-    ----------
-    inputs, values
-        As those of `GaussianProcess`.
-    counting
-        Standard deviation of the noise that is known beforehand.
-    """
+    """The log posterior density of hyperparameters, up to a constant, and its gradient."""
 
     inputs: Inputs
     values: Array
+    """As those of `GaussianProcess`."""
     counting: float = 0.0
+    """Standard deviation of the noise that is known beforehand."""
 
     @cached_property
     def names(self) -> tuple[str, ...]:

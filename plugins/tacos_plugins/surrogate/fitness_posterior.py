@@ -30,10 +30,7 @@ def score_names(fitness: Fitness) -> list[str]:
 def combined(fitness: Fitness, scores: Mapping[str, Array]) -> Array:
     """The fitness for arrays of scores of equal shape, by name; one that is not there counts as zero.
 
-    Raises
-    ------
-    ValueError
-        When there is no score at all.
+    Raises `ValueError` when there is no score at all.
     """
     if not scores:
         raise ValueError("there is no score to make a fitness of")
@@ -68,21 +65,14 @@ def normal_rule(count: int, dimension: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class FitnessPosterior:
-    """The fitness at points, averaged over scenes: what a study on many scenes would find.
-
-    Parameters
-    ----------
-    fitness
-        Weights of the scores and of the scenarios.
-    models
-        A model of each score, by name.
-    predictions
-        What each says of its values at the points.
-    """
+    """The fitness at points, averaged over scenes: what a study on many scenes would find."""
 
     fitness: Fitness
+    """Weights of the scores and of the scenarios."""
     models: Mapping[str, ScoreModel]
+    """A model of each score, by name."""
     predictions: Mapping[str, Prediction]
+    """What each says of its values at the points."""
     count: int
 
     @classmethod
@@ -98,10 +88,7 @@ class FitnessPosterior:
     def marginal_draws(self, normal: Array) -> Array:
         """(draws, points) fitness, each point's right by itself but not the points' among one another.
 
-        Parameters
-        ----------
-        normal
-            (draws, scores) standard normal numbers.
+        `normal`: (draws, scores) standard normal numbers.
         """
         if not self.models:
             return np.zeros((len(normal), self.count))

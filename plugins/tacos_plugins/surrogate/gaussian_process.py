@@ -27,21 +27,14 @@ JITTERS = (0.0, 1e-10, 1e-8, 1e-6, 1e-4)
 
 @dataclass(frozen=True, eq=False)
 class Inputs:
-    """Where observations were made.
-
-    Parameters
-    ----------
-    points
-        (n, d) coordinates, each scaled to about 0..1; NaN where one is not known.
-    episodes
-        (n,) number of the scene, or `NO_EPISODE`.
-    times
-        (n,) when, of what drifts; None where nothing does.
-    """
+    """Where observations were made."""
 
     points: Array
+    """(n, d) coordinates, each scaled to about 0..1; NaN where one is not known."""
     episodes: NDArray[np.int64]
+    """(n,) number of the scene, or `NO_EPISODE`."""
     times: Array | None = None
+    """(n,) when, of what drifts; None where nothing does."""
 
     def __len__(self) -> int:
         return len(self.points)
@@ -60,23 +53,17 @@ class GaussianProcess:
     along the coordinates. What is predicted is ``m + f(x) + drift(latest)``: the value in a scene like those
     observed, on average.
 
-    Parameters
-    ----------
-    inputs
-        Where observations were made.
-    values
-        (n,) what was observed, centred and of unit variance.
-    hyperparameters
-        As :func:`tacos_plugins.surrogate.evidence.fit_hyperparameters` finds them.
-
     References
     ----------
     Rasmussen and Williams 2006, "Gaussian processes for machine learning", algorithm 2.1.
     """
 
     inputs: Inputs
+    """Where observations were made."""
     values: Array
+    """(n,) what was observed, centred and of unit variance."""
     hyperparameters: Hyperparameters
+    """As :func:`tacos_plugins.surrogate.evidence.fit_hyperparameters` finds them."""
 
     @cached_property
     def _length_scales(self) -> Array:
@@ -117,18 +104,13 @@ class GaussianProcess:
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """What is known of the values at points.
-
-    Parameters
-    ----------
-    explained
-        (n, m) square root of what observations take from the covariance.
-    """
+    """What is known of the values at points."""
 
     process: GaussianProcess
     points: Array
     mean: Array
     explained: Array
+    """(n, m) square root of what observations take from the covariance."""
 
     @cached_property
     def sd(self) -> Array:
@@ -166,10 +148,8 @@ def covariance(inputs: Inputs, h: Hyperparameters) -> Array:
 def factorised(matrix: Array) -> Array:
     """The lower Cholesky factor, of the matrix or of one with the least more on its diagonal that has one.
 
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        When not even a ten-thousandth of the mean of the diagonal suffices: it is no covariance.
+    Raises `numpy.linalg.LinAlgError` when not even a ten-thousandth of the mean of the diagonal suffices: it
+    is no covariance.
     """
     scale = float(np.trace(matrix)) / max(len(matrix), 1)
     for jitter in JITTERS:

@@ -21,22 +21,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Observation:
-    """Scores of a camera in one scene.
-
-    Parameters
-    ----------
-    coordinates
-        What images depend on, by name; finite numbers. One that is not known is left out.
-    episode
-        Which scene; observations of equal ones share its effect. None where it is not known.
-    scores
-        By ``node.score``, or ``scenario/node.score`` where there are several scenarios. A score without
-        meaning in this scene is left out.
-    """
+    """Scores of a camera in one scene."""
 
     coordinates: Mapping[str, float]
+    """What images depend on, by name; finite numbers. One that is not known is left out."""
     episode: Hashable
+    """Which scene; observations of equal ones share its effect. None where it is not known."""
     scores: Mapping[str, float]
+    """By ``node.score``, or ``scenario/node.score`` where there are several scenarios. A score without
+    meaning in this scene is left out.
+    """
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,17 +39,6 @@ class GreyBox:
 
     The fitness is a known weighted sum; only the scores have to be learnt, each with its own length scales,
     noise and transform. Build one with :meth:`fit`.
-
-    Parameters
-    ----------
-    fitness
-        Weights of the scores and of the scenarios.
-    system
-        The coordinates and their ranges.
-    models
-        A model of each score of each scenario, by name.
-    degenerate
-        Why the observations allow no conclusion, in a sentence; None where they do.
 
     Examples
     --------
@@ -74,9 +57,13 @@ class GreyBox:
     """
 
     fitness: Fitness
+    """Weights of the scores and of the scenarios."""
     system: CoordinateSystem
+    """The coordinates and their ranges."""
     models: Mapping[str, ScoreModel]
+    """A model of each score of each scenario, by name."""
     degenerate: str | None = None
+    """Why the observations allow no conclusion, in a sentence; None where they do."""
 
     @classmethod
     def fit(

@@ -27,32 +27,22 @@ class Hyperparameters:
     """Standard deviations of the parts of a score, and the length scales along its coordinates.
 
     All but the length scales are in standard deviations of the observed values.
-
-    Parameters
-    ----------
-    length_scales
-        One for each coordinate [ranges of the coordinate].
-    signal
-        What points have of their own, whatever the scene [standard deviations].
-    episode
-        What a scene adds to all points alike.
-    interaction
-        What a scene adds to a point, and similarly to points near it.
-    noise
-        What comes out otherwise when the same is observed again.
-    drift
-        What time adds to all points alike.
-    counting
-        What comes out otherwise because few are counted; known beforehand, and no part of the mean score.
     """
 
     length_scales: tuple[float, ...]
+    """One for each coordinate [ranges of the coordinate]."""
     signal: float = 1.0
+    """What points have of their own, whatever the scene [standard deviations]."""
     episode: float = 0.2
+    """What a scene adds to all points alike."""
     interaction: float = 0.2
+    """What a scene adds to a point, and similarly to points near it."""
     noise: float = 0.1
+    """What comes out otherwise when the same is observed again."""
     drift: float = 0.0
+    """What time adds to all points alike."""
     counting: float = 0.0
+    """What comes out otherwise because few are counted; known beforehand, and no part of the mean score."""
 
     @property
     def within_episodes(self) -> float:
@@ -68,10 +58,7 @@ class Hyperparameters:
 def matern(squared: Array) -> Array:
     """Correlation of the Matern family with smoothness 5/2.
 
-    Parameters
-    ----------
-    squared
-        Squared distances, in length scales.
+    `squared`: squared distances, in length scales.
 
     References
     ----------

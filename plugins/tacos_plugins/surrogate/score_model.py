@@ -23,25 +23,16 @@ MOST_OBSERVATIONS = 1500
 
 @dataclass(frozen=True, eq=False)
 class ScoreModel:
-    """A Gaussian process of a transformed score, centred and scaled.
-
-    Parameters
-    ----------
-    process
-        The model of the values.
-    transform
-        From scores to the scale on which they are modelled.
-    centre, scale
-        Mean and standard deviation that were taken out on that scale.
-    columns
-        The coordinates it depends on, among those of a row.
-    """
+    """A Gaussian process of a transformed score, centred and scaled."""
 
     process: GaussianProcess
     transform: Transform
+    """From scores to the scale on which they are modelled."""
     centre: float
     scale: float
+    """Mean and standard deviation that were taken out on that scale."""
     columns: NDArray[np.int64]
+    """The coordinates it depends on, among those of a row."""
 
     @classmethod
     def fit(

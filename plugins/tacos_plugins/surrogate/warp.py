@@ -14,18 +14,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Warp:
-    """Maps 0..1 to a gene so that coordinates change evenly: a focal length, so that fields of view do.
-
-    Parameters
-    ----------
-    genes
-        (n,) rising values of the gene.
-    places
-        (n,) where between 0 and 1 each of them lies.
-    """
+    """Maps 0..1 to a gene so that coordinates change evenly: a focal length, so that fields of view do."""
 
     genes: Array
+    """(n,) rising values of the gene."""
     places: Array
+    """(n,) where between 0 and 1 each of them lies."""
 
     @classmethod
     def of_sweep(cls, genes: Array, coordinates: Sequence[Mapping[str, float] | None]) -> Warp:

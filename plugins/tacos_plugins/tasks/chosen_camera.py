@@ -8,19 +8,9 @@ from tacos_framework import Fault, FrameBatch, UserError, did_you_mean
 def camera_index(frames: FrameBatch, name: str | None, *, where: str) -> int:
     """Index of the camera of this name; of the first where none is named.
 
-    Parameters
-    ----------
-    frames
-        Of all cameras of the rig.
-    name
-        What the setting ``camera`` of the task says.
-    where
-        The task, for the message.
+    `name`: what the setting ``camera`` of the task says. `where`: the task, for the message.
 
-    Raises
-    ------
-    UserError
-        When the rig has no such camera.
+    Raises `UserError` when the rig has no such camera.
     """
     names = [view.camera.name for view in frames.capture.views]
     if name is None:

@@ -37,10 +37,7 @@ def fundamental_matrix(
 ) -> tuple[NDArray[np.float64] | None, NDArray[np.uint8] | None]:
     """The fundamental matrix that most of (M, 2) matches agree with, and which do; None where there is none.
 
-    Parameters
-    ----------
-    search
-        What `seeded` gives, or OpenCV's name of a method with its threshold and confidence.
+    `search`: what `seeded` gives, or OpenCV's name of a method with its threshold and confidence.
     """
     try:
         found, agreeing = cv2.findFundamentalMat(before_px, after_px, *search)

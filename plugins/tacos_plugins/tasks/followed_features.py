@@ -38,21 +38,14 @@ class Features:
 
 @dataclass(frozen=True)
 class FollowedFeatures:
-    """How a pair of frames did.
-
-    Parameters
-    ----------
-    extracted
-        Features of a frame, the mean of both [1].
-    matches
-        Those of either that are matched to one of the other [1].
-    inliers
-        Those of the matches that agree with one rigid motion of the camera [1].
-    """
+    """How a pair of frames did."""
 
     extracted: float
+    """Features of a frame, the mean of both [1]."""
     matches: int
+    """Those of either that are matched to one of the other [1]."""
     inliers: int
+    """Those of the matches that agree with one rigid motion of the camera [1]."""
 
     def ratio(self, of: Literal["features", "matches"]) -> float:
         """Inliers as a share of either; 0 where there is nothing to be a share of."""
@@ -180,17 +173,10 @@ def grey_image(
 ) -> NDArray[np.uint8]:
     """Luminance of a linear frame, stretched so that black is 0 and the white level 255.
 
-    Parameters
-    ----------
-    image_dn
-        (H, W, C) uint8 or uint16; one channel, or linear RGB [DN].
-    black_level_dn, white_level_dn
-        The file's pedestal and full scale [DN].
+    `image_dn`: (H, W, C) uint8 or uint16; one channel, or linear RGB [DN]. `black_level_dn`,
+    `white_level_dn`: the file's pedestal and full scale [DN].
 
-    Returns
-    -------
-    NDArray
-        (H, W) uint8, rounded; what lies below black is 0 [1/255 of full scale].
+    Returns: (H, W) uint8, rounded; what lies below black is 0 [1/255 of full scale].
 
     Examples
     --------

@@ -101,21 +101,14 @@ class ObstacleVisibility:
 
 @dataclass(frozen=True)
 class Sighting:
-    """What a frame shows of the obstacles.
-
-    Parameters
-    ----------
-    time_s
-        Its time [s].
-    photosites
-        Those each obstacle covers, in the camera that shows most of it.
-    near
-        The same within `within_m`.
-    """
+    """What a frame shows of the obstacles."""
 
     time_s: float
+    """Its time [s]."""
     photosites: Mapping[int, float]
+    """Those each obstacle covers, in the camera that shows most of it."""
     near: Mapping[int, float]
+    """The same within `within_m`."""
 
 
 class ObstacleScorer:

@@ -162,25 +162,17 @@ class OrbFeatures:
 
 @dataclass(frozen=True)
 class Scale:
-    """What is counted in pixels, for the image as it is.
-
-    Parameters
-    ----------
-    features
-        Features kept per frame [1].
-    levels
-        Pyramid levels [1].
-    patch_px, border_px
-        Edge of the patch, and border without keypoints [px].
-    ransac_threshold_px
-        Distance from the epipolar line of an inlier [px].
-    """
+    """What is counted in pixels, for the image as it is."""
 
     features: int
+    """Features kept per frame [1]."""
     levels: int
+    """Pyramid levels [1]."""
     patch_px: int
     border_px: int
+    """Edge of the patch, and border without keypoints [px]."""
     ransac_threshold_px: float
+    """Distance from the epipolar line of an inlier [px]."""
 
     @classmethod
     def of(cls, config: OrbFeatures.Config, binning: float) -> Scale:

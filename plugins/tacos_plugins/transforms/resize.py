@@ -75,17 +75,10 @@ def averaged(
 ) -> NDArray[np.float32]:
     """The mean of images over areas of `pixels` x `pixels` about their middle.
 
-    Parameters
-    ----------
-    images
-        (N, H, W, C) samples.
-    height_px, width_px
-        Size of the result, which the areas cover inside the images [px].
+    `images`: (N, H, W, C) samples. `height_px`, `width_px`: size of the result, which the areas cover inside
+    the images [px].
 
-    Returns
-    -------
-    NDArray
-        (N, height_px, width_px, C) float32.
+    Returns: (N, height_px, width_px, C) float32.
 
     Examples
     --------

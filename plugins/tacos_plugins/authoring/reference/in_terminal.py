@@ -23,15 +23,7 @@ RECIPE = "recipe"
 def settings_text(use: str, *, width: int) -> str:
     """The facts and settings of a component by its full name, or the keys of a recipe.
 
-    Parameters
-    ----------
-    width
-        Columns of the terminal.
-
-    Raises
-    ------
-    UserError
-        When no such component is installed, or what it needs is missing.
+    Raises `UserError` when no such component is installed, or what it needs is missing.
     """
     if use == RECIPE:
         return "\n".join(_model_lines(Recipe, width))

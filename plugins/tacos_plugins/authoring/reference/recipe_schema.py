@@ -37,18 +37,12 @@ Schema = dict[str, Any]
 
 @dataclass(frozen=True)
 class RecipeSchema:
-    """A schema, and why some components are not described in it.
-
-    Parameters
-    ----------
-    schema
-        JSON Schema, draft 2020-12, as plain data.
-    undescribed
-        Component -> reason; their settings are not checked.
-    """
+    """A schema, and why some components are not described in it."""
 
     schema: Schema
+    """JSON Schema, draft 2020-12, as plain data."""
     undescribed: Mapping[str, str] = field(default_factory=dict)
+    """Component -> reason; their settings are not checked."""
 
 
 def recipe_schema(plugins: Plugins) -> RecipeSchema:

@@ -6,13 +6,7 @@ from tacos_plugins.executors.worker import WorkerState
 
 
 class EvaluatorActor:
-    """A process of its own on some node, which holds one function and what that keeps.
-
-    Parameters
-    ----------
-    threads
-        Threads OpenCV may use here.
-    """
+    """A process of its own on some node, which holds one function and what that keeps."""
 
     def __init__(self, payload: bytes, threads: int) -> None:
         import cv2

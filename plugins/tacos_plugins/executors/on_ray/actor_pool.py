@@ -40,8 +40,6 @@ class ActorPool(JobPool[_Member]):
         How many at most; those for which no node has room wait until one has.
     needs
         What each takes up.
-    threads
-        Threads each may compute with.
     attempts
         How often a job is tried whose worker is lost or hangs.
     job_s

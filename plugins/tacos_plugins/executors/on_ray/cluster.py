@@ -66,18 +66,13 @@ class Needs:
 class Cluster:
     """A connection to a cluster, which the process may have had before.
 
+    Raises `UserError` when Ray is not installed, or no cluster answers.
+
     Parameters
     ----------
     address
         ``local`` starts a cluster on this machine; ``auto`` joins the one that ``ray start`` began here or
         that RAY_ADDRESS names; else ``host:port`` of a running one.
-    own_cpus
-        Processors of a cluster of our own.
-
-    Raises
-    ------
-    UserError
-        When Ray is not installed, or no cluster answers.
     """
 
     def __init__(self, address: str, own_cpus: int) -> None:
@@ -106,10 +101,7 @@ class Cluster:
     def room_for(self, needs: Needs) -> int:
         """How many workers all nodes hold that are alive.
 
-        Raises
-        ------
-        UserError
-            When none holds a single one.
+        Raises `UserError` when none holds a single one.
         """
         nodes = [node["Resources"] for node in self.ray.nodes() if node["Alive"]]
         room = sum(needs.fits_into(node) for node in nodes)

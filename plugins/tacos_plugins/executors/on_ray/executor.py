@@ -82,10 +82,7 @@ class RayExecutor(PoolExecutor):
     def workers(self) -> int:
         """How many workers there are at most; joins the cluster to see.
 
-        Raises
-        ------
-        UserError
-            When no cluster answers, or it has no room for a worker.
+        Raises `UserError` when no cluster answers, or it has no room for a worker.
         """
         self._joined()
         return self._workers

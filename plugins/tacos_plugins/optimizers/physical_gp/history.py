@@ -18,34 +18,22 @@ TIME = "time"
 
 @dataclass(frozen=True)
 class Trial:
-    """One candidate, evaluated.
-
-    Parameters
-    ----------
-    round
-        When, counted from 0.
-    fitness
-        None where it has none.
-    episodes
-        Its scores in each episode, by number as text, as JSON has it.
-    failed
-        Whether there is nothing to learn from it but that it failed.
-    """
+    """One candidate, evaluated."""
 
     genes: tuple[float, ...]
     round: int
+    """When, counted from 0."""
     fitness: float | None
     episodes: Mapping[str, Mapping[str, float]]
+    """Its scores in each episode, by number as text, as JSON has it."""
     failed: bool
+    """Whether there is nothing to learn from it but that it failed."""
 
     @classmethod
     def of(cls, result: Evaluated, round_number: int, scenes: str = "") -> Trial:
         """From what an optimizer is told.
 
-        Parameters
-        ----------
-        scenes
-            Goes before the numbers of episodes that name other scenes than those of the search.
+        `scenes`: goes before the numbers of episodes that name other scenes than those of the search.
         """
         episodes = {
             f"{scenes}{number}": {name: float(value) for name, value in scores.items()}
@@ -90,12 +78,8 @@ def observations(
 ) -> list[Observation]:
     """What a trial tells the model, at its coordinates.
 
-    Parameters
-    ----------
-    problem
-        Whether episodes are renewed and weights learn.
-    by_score
-        Whether to take the scores of its episodes, or its fitness alone.
+    `problem`: whether episodes are renewed and weights learn. `by_score`: whether to take the scores of its
+    episodes, or its fitness alone.
     """
     if trial.failed:
         return []

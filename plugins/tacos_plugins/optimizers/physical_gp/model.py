@@ -55,17 +55,7 @@ class Fitted:
 
 @dataclass(frozen=True, eq=False)
 class SearchModel:
-    """What is known after some trials.
-
-    Parameters
-    ----------
-    grey_box
-        The posterior of the fitness.
-    viability
-        What can be evaluated.
-    fitted
-        The hyperparameters, to begin from next time.
-    """
+    """What is known after some trials."""
 
     grey_box: GreyBox
     viability: Viability
@@ -82,14 +72,7 @@ class SearchModel:
     ) -> SearchModel:
         """The model of these trials.
 
-        Parameters
-        ----------
-        trials, coordinates
-            What was evaluated and where.
-        problem
-            What is known of the problem.
-        system
-            Coordinates and ranges of all candidates.
+        `system`: coordinates and ranges of all candidates.
         """
         by_score = problem is not None and scores_known(trials)
         seen = [

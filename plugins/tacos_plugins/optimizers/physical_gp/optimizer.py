@@ -148,10 +148,8 @@ class PhysicalGp:
     def tell(self, evaluated: Sequence[Evaluated]) -> None:
         """Take in the results of the round.
 
-        Raises
-        ------
-        ValueError
-            When a fitness is NaN or infinite, or the results are not those of the candidates asked.
+        Raises `ValueError` when a fitness is NaN or infinite, or the results are not those of the candidates
+        asked.
         """
         validate_results(evaluated, [a.candidate if isinstance(a, Asked) else a for a in self._asked])
         self._trials.extend(Trial.of(result, self._rounds) for result in evaluated)

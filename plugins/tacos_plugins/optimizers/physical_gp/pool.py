@@ -22,16 +22,11 @@ POOL = 1024
 
 @dataclass(frozen=True, eq=False)
 class Located:
-    """Candidates, each once, and their coordinates.
-
-    Parameters
-    ----------
-    rows
-        (candidates, names) scaled coordinates.
-    """
+    """Candidates, each once, and their coordinates."""
 
     candidates: tuple[Candidate, ...]
     rows: Array
+    """(candidates, names) scaled coordinates."""
 
     def __len__(self) -> int:
         return len(self.candidates)

@@ -38,16 +38,11 @@ APART = 0.05
 
 @dataclass(frozen=True)
 class Proposal:
-    """What to ask next.
-
-    Parameters
-    ----------
-    gain
-        By how much the first is expected to exceed the best, as a share of its fitness.
-    """
+    """What to ask next."""
 
     candidates: tuple[Candidate, ...]
     gain: float
+    """By how much the first is expected to exceed the best, as a share of its fitness."""
 
 
 def proposed(
@@ -60,12 +55,7 @@ def proposed(
 ) -> Proposal:
     """The candidates of largest expected improvement, at most `count`.
 
-    Parameters
-    ----------
-    tried
-        The candidates that could be evaluated.
-    closed
-        Genes of those that must not be asked.
+    `tried`: the candidates that could be evaluated. `closed`: genes of those that must not be asked.
     """
     known = Assessed.of(model, pool.everywhere.joined(tried))
     near = _with_neighbours(known.located, known.gains(known.best_mean), pool, rng)
@@ -101,17 +91,12 @@ def recommended(
 
 @dataclass(frozen=True, eq=False)
 class Assessed:
-    """Candidates, and what a model says of them.
-
-    Parameters
-    ----------
-    chances
-        (candidates,) probability that each can be evaluated.
-    """
+    """Candidates, and what a model says of them."""
 
     located: Located
     posterior: FitnessPosterior
     chances: Array
+    """(candidates,) probability that each can be evaluated."""
 
     @classmethod
     def of(cls, model: SearchModel, located: Located) -> Assessed:

@@ -16,10 +16,7 @@ def spread_out(rows: Array, count: int, rng: np.random.Generator) -> list[int]:
 
     Ranks among what can be had: with few small sensors and many large ones, large ones are drawn more often.
 
-    Parameters
-    ----------
-    rows
-        (points, names) scaled coordinates of those to choose from.
+    `rows`: (points, names) scaled coordinates of those to choose from.
 
     References
     ----------

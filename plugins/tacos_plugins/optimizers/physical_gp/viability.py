@@ -24,15 +24,6 @@ class Viability:
     A Gaussian process of +1 for what could be and -1 for what failed, fitted by least squares, is quick, and
     finds which coordinates the border depends on.
 
-    Parameters
-    ----------
-    process
-        The model of the labels, centred and scaled; None where nothing failed, or all did.
-    border
-        Zero, between the labels, centred and scaled alike.
-    always
-        The probability where there is no model.
-
     References
     ----------
     Rasmussen and Williams 2006, "Gaussian processes for machine learning", Sec. 6.5 (least-squares
@@ -40,8 +31,11 @@ class Viability:
     """
 
     process: GaussianProcess | None
+    """The model of the labels, centred and scaled; None where nothing failed, or all did."""
     border: float = 0.0
+    """Zero, between the labels, centred and scaled alike."""
     always: float = 1.0
+    """The probability where there is no model."""
 
     @classmethod
     def fit(cls, rows: Array, succeeded: NDArray[np.bool_]) -> Viability:

@@ -25,22 +25,15 @@ _KEPT = ("observations", "actions", "rewards", "episode_starts", "values", "log_
 
 @dataclass(frozen=True, eq=False)
 class Acted:
-    """What the policy did, for each camera.
-
-    Parameters
-    ----------
-    observations
-        (count, genes) float32 what it saw.
-    actions
-        (count, genes) float32 what it drew, unclipped.
-    values, log_probs
-        (count,) float32 what it expected, and how likely the actions were.
-    """
+    """What the policy did, for each camera."""
 
     observations: NDArray[np.float32]
+    """(count, genes) float32 what it saw."""
     actions: NDArray[np.float32]
+    """(count, genes) float32 what it drew, unclipped."""
     values: NDArray[np.float32]
     log_probs: NDArray[np.float32]
+    """(count,) float32 what it expected, and how likely the actions were."""
 
 
 class Learner:
@@ -51,8 +44,6 @@ class Learner:
 
     Parameters
     ----------
-    count
-        Cameras side by side.
     rollout
         Steps of each camera between two updates.
     hidden

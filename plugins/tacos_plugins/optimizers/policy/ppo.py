@@ -110,10 +110,8 @@ class Ppo:
     def tell(self, evaluated: Sequence[Evaluated]) -> None:
         """Take in the fitness, learn from it once a rollout is full, and draw the next changes.
 
-        Raises
-        ------
-        ValueError
-            When a fitness is NaN or infinite, or the results are not those of the candidates asked.
+        Raises `ValueError` when a fitness is NaN or infinite, or the results are not those of the candidates
+        asked.
         """
         validate_results(evaluated, self._asked)
         self._evaluated += len(evaluated)

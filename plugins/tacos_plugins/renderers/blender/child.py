@@ -25,10 +25,7 @@ _LINES_SHOWN = 15
 def refuse_without_blender() -> None:
     """Say what is missing.
 
-    Raises
-    ------
-    UserError
-        Where the package bpy is not installed.
+    Raises `UserError` where the package bpy is not installed.
     """
     if importlib.util.find_spec("bpy") is None:
         raise UserError(
@@ -53,10 +50,7 @@ def pictures(
 ) -> list[NDArray[np.float32]]:
     """(H, W, 3) luminance of each shot of the scene in a folder [cd/m2].
 
-    Raises
-    ------
-    RuntimeError
-        Where Blender fails, with the last lines it wrote.
+    Raises `RuntimeError` where Blender fails, with the last lines it wrote.
     """
     (folder / "shots.json").write_text(json.dumps({**settings, "shots": list(shots)}), encoding="utf-8")
     done = subprocess.run(

@@ -56,10 +56,7 @@ class BlenderRenderer:
     def capture(self, episode: Episode, *, rig: Rig, exposure: Exposure) -> Capture:
         """One view per camera of the rig for every frame of the batch.
 
-        Raises
-        ------
-        UserError
-            When bpy is not installed, saying what to do.
+        Raises `UserError` when bpy is not installed, saying what to do.
         """
         refuse_without_blender()
         with workplace() as folder:

@@ -20,12 +20,8 @@ def near_ambient_visibility(
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
     """Ambient visibility of the hemisphere above points, and whether they lie inside something.
 
-    Parameters
-    ----------
-    point_m, normal
-        (N, 3) [m, 1].
-    wanted
-        (N,) points to look at; the others come out open and not buried.
+    `point_m`, `normal`: (N, 3) [m, 1]. `wanted`: (N,) points to look at; the others come out open and not
+    buried.
 
     Returns
     -------

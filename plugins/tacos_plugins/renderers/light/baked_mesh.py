@@ -34,59 +34,39 @@ _GROWTH_TEXELS = 3  # light is grown beyond the surface by these, for interpolat
 
 @dataclass(frozen=True, eq=False)
 class SurfaceLight:
-    """Light that N surface points send back, as a white texture would.
-
-    Parameters
-    ----------
-    luminance_cd_m2
-        (N, 3) float32 reflected luminance for a texture of reflectance 1, base colour included [cd/m2].
-    unshadowed_share
-        (N,) float32 share of all light that shadows leave [1].
-    bend
-        (N, 2) float32 relative change of that luminance per unit of tilt of the normal along the tangent and
-        the bitangent [1].
-    """
+    """Light that N surface points send back, as a white texture would."""
 
     luminance_cd_m2: NDArray[np.float32]
+    """(N, 3) float32 reflected luminance for a texture of reflectance 1, base colour included [cd/m2]."""
     unshadowed_share: NDArray[np.float32]
+    """(N,) float32 share of all light that shadows leave [1]."""
     bend: NDArray[np.float32]
+    """(N, 2) float32 relative change of that luminance per unit of tilt of the normal along the tangent and
+    the bitangent [1].
+    """
 
 
 @dataclass(frozen=True, eq=False)
 class BakedMesh:
-    """What is drawn of a world, camera or no camera.
-
-    Parameters
-    ----------
-    mesh
-        Triangles in the order of the chunks; vertices of light-mapped surfaces are not shared with others.
-    frames
-        (V, 2, 3) float32 tangent and bitangent at each vertex [1].
-    chunks
-        Runs of triangles that can be culled.
-    surface
-        (V,) int32 the smooth surface each vertex belongs to, from 1.
-    vertex_light
-        Light per vertex; nothing for vertices on the light map.
-    map_coordinates
-        (V, 2) float32 light map coordinates; a black texel for vertices that are lit themselves [1].
-    light_map
-        (rows, columns, 4) float32: luminance as in `SurfaceLight` [cd/m2] and unshadowed share [1].
-    bend_map
-        (rows, columns, 2) float32: bend as in `SurfaceLight` [1].
-    opaque
-        (O,) the triangles that block light.
-    """
+    """What is drawn of a world, camera or no camera."""
 
     mesh: FlatMesh
+    """Triangles in the order of the chunks; vertices of light-mapped surfaces are not shared with others."""
     frames: NDArray[np.float32]
+    """(V, 2, 3) float32 tangent and bitangent at each vertex [1]."""
     chunks: Chunks
     surface: NDArray[np.int32]
+    """(V,) int32 the smooth surface each vertex belongs to, from 1."""
     vertex_light: SurfaceLight
+    """Light per vertex; nothing for vertices on the light map."""
     map_coordinates: NDArray[np.float32]
+    """(V, 2) float32 light map coordinates; a black texel for vertices that are lit themselves [1]."""
     light_map: NDArray[np.float32]
+    """(rows, columns, 4) float32: luminance as in `SurfaceLight` [cd/m2] and unshadowed share [1]."""
     bend_map: NDArray[np.float32]
+    """(rows, columns, 2) float32: bend as in `SurfaceLight` [1]."""
     opaque: NDArray[np.intp]
+    """(O,) the triangles that block light."""
 
     @property
     def tangents(self) -> NDArray[np.float32]:
@@ -104,12 +84,8 @@ class BakedMesh:
 def light_world(world: World, indirect_lux: tuple[NDArray[np.float32], ...], texel_m: float) -> BakedMesh:
     """Flatten a world and work out the light on all its surfaces.
 
-    Parameters
-    ----------
-    indirect_lux
-        Indirect irradiance at the vertices of each part [lux].
-    texel_m
-        Distance of light map texels [m].
+    `indirect_lux`: indirect irradiance at the vertices of each part [lux]. `texel_m`: distance of light map
+    texels [m].
     """
     mesh = flatten(world, indirect_lux)
     charts = find_charts(mesh, texel_m)

@@ -32,35 +32,24 @@ class Charts:
     """Rectangles on flat surfaces, and where their texels lie in the light map.
 
     A chart's first and last texel centres lie on the rectangle's edges.
-
-    Parameters
-    ----------
-    of_triangle
-        (T,) int32 chart of each triangle; -1 for those lit per vertex.
-    origin_m
-        (C, 3) float64 corner of the rectangle [m].
-    axes
-        (C, 2, 3) float64 unit vectors along its edges [1].
-    normal
-        (C, 3) float64 [1].
-    step_m
-        (C, 2) distance of texels along each axis [m].
-    size
-        (C, 2) int32 number of texels (columns, rows).
-    place
-        (C, 2) int32 first texel (column, row) in the light map.
-    map_size
-        Width and height of the light map [texels].
     """
 
     of_triangle: NDArray[np.int32]
+    """(T,) int32 chart of each triangle; -1 for those lit per vertex."""
     origin_m: NDArray[np.float64]
+    """(C, 3) float64 corner of the rectangle [m]."""
     axes: NDArray[np.float64]
+    """(C, 2, 3) float64 unit vectors along its edges [1]."""
     normal: NDArray[np.float64]
+    """(C, 3) float64 [1]."""
     step_m: NDArray[np.float64]
+    """(C, 2) distance of texels along each axis [m]."""
     size: NDArray[np.int32]
+    """(C, 2) int32 number of texels (columns, rows)."""
     place: NDArray[np.int32]
+    """(C, 2) int32 first texel (column, row) in the light map."""
     map_size: tuple[int, int]
+    """Width and height of the light map [texels]."""
 
     def __len__(self) -> int:
         return len(self.size)
@@ -95,11 +84,8 @@ class Charts:
 def find_charts(mesh: FlatMesh, texel_m: float) -> Charts:
     """Find the flat surfaces of a mesh worth a light map, and place them in it.
 
-    Parameters
-    ----------
-    texel_m
-        Greatest distance of texels where parts have a light detail of 1, kept to where the map does not grow
-        beyond `MOST_TEXELS` [m].
+    `texel_m`: greatest distance of texels where parts have a light detail of 1, kept to where the map does
+    not grow beyond `MOST_TEXELS` [m].
     """
     corners = mesh.corners_m.astype(np.float64)
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -169,10 +155,7 @@ def _axes_in_plane(normal: NDArray[np.float64]) -> NDArray[np.float64]:
 def pack_shelves(size: NDArray[np.int32]) -> tuple[NDArray[np.int32], tuple[int, int]]:
     """Place rectangles in rows of falling height.
 
-    Parameters
-    ----------
-    size
-        (C, 2) int32 widths and heights [texels].
+    `size`: (C, 2) int32 widths and heights [texels].
 
     Returns
     -------

@@ -26,22 +26,16 @@ _STOP_SHORT = 0.995  # of the way to the light, so that a lamp's own housing doe
 
 @dataclass(frozen=True, eq=False)
 class LightAtPoints:
-    """Light that arrives at N points.
-
-    Parameters
-    ----------
-    irradiance_lux
-        (N, 3) float32 [lux].
-    towards
-        (N, 3) float32 mean direction it comes from, weighted by irradiance on a plane that faces each
-        direction; its length is 1 for a single point-like source and 0 for light from everywhere alike [1].
-    unshadowed_lux
-        (N,) float32 mean channel of the irradiance there would be without shadows [lux].
-    """
+    """Light that arrives at N points."""
 
     irradiance_lux: NDArray[np.float32]
+    """(N, 3) float32 [lux]."""
     towards: NDArray[np.float32]
+    """(N, 3) float32 mean direction it comes from, weighted by irradiance on a plane that faces each
+    direction; its length is 1 for a single point-like source and 0 for light from everywhere alike [1].
+    """
     unshadowed_lux: NDArray[np.float32]
+    """(N,) float32 mean channel of the irradiance there would be without shadows [lux]."""
 
 
 def direct_light(
@@ -52,12 +46,7 @@ def direct_light(
 ) -> LightAtPoints:
     """Direct irradiance at points of surfaces.
 
-    Parameters
-    ----------
-    point_m, normal
-        (N, 3) points, slightly above their surface, and unit normals [m, 1].
-    tracer
-        What may be in the way.
+    `point_m`, `normal`: (N, 3) points, slightly above their surface, and unit normals [m, 1].
     """
     count = len(point_m)
     irradiance = np.zeros((count, 3), np.float32)

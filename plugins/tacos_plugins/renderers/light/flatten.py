@@ -22,35 +22,24 @@ MATTE_ROUGHNESS = 0.8
 
 @dataclass(frozen=True, eq=False)
 class FlatMesh:
-    """All parts of a world in one indexed mesh.
-
-    Parameters
-    ----------
-    position_m, normal
-        (V, 3) float32 [m, 1].
-    uv
-        (V, 2) float32 texture coordinates in tiles [1].
-    material, object_id
-        (V,) int32.
-    indirect_lux
-        (V, 3) float32 indirect irradiance [lux].
-    triangles
-        (T, 3) int32.
-    part
-        (T,) int32 index of the part each triangle comes from.
-    light_detail
-        (parts,) float64 `Part.light_detail` [1].
-    """
+    """All parts of a world in one indexed mesh."""
 
     position_m: NDArray[np.float32]
     normal: NDArray[np.float32]
+    """(V, 3) float32 [m, 1]."""
     uv: NDArray[np.float32]
+    """(V, 2) float32 texture coordinates in tiles [1]."""
     material: NDArray[np.int32]
     object_id: NDArray[np.int32]
+    """(V,) int32."""
     indirect_lux: NDArray[np.float32]
+    """(V, 3) float32 indirect irradiance [lux]."""
     triangles: NDArray[np.int32]
+    """(T, 3) int32."""
     part: NDArray[np.int32]
+    """(T,) int32 index of the part each triangle comes from."""
     light_detail: NDArray[np.float64]
+    """(parts,) float64 `Part.light_detail` [1]."""
 
     @property
     def corners_m(self) -> NDArray[np.float32]:
@@ -66,26 +55,18 @@ class FlatMesh:
 
 @dataclass(frozen=True, eq=False)
 class Chunks:
-    """Runs of neighbouring triangles with their bounding boxes.
-
-    Parameters
-    ----------
-    first, count
-        (C,) int32 first triangle and number of triangles of each chunk.
-    lower_m, upper_m
-        (C, 3) float64 corners of the bounding boxes [m].
-    kind
-        (C,) int32 `SurfaceKind` of its materials; a chunk never mixes kinds.
-    mover
-        (C,) int32 the moving object they belong to, 0 for all that stands still; a chunk never mixes them.
-    """
+    """Runs of neighbouring triangles with their bounding boxes."""
 
     first: NDArray[np.int32]
     count: NDArray[np.int32]
+    """(C,) int32 first triangle and number of triangles of each chunk."""
     lower_m: NDArray[np.float64]
     upper_m: NDArray[np.float64]
+    """(C, 3) float64 corners of the bounding boxes [m]."""
     kind: NDArray[np.int32]
+    """(C,) int32 `SurfaceKind` of its materials; a chunk never mixes kinds."""
     mover: NDArray[np.int32]
+    """(C,) int32 the moving object they belong to, 0 for all that stands still; a chunk never mixes them."""
 
 
 class SurfaceKind(IntFlag):
@@ -113,10 +94,7 @@ def kind_of(material: Material) -> SurfaceKind:
 def flatten(world: World, indirect_lux: tuple[NDArray[np.float32], ...]) -> FlatMesh:
     """All parts of `world` in one mesh, with their indirect light.
 
-    Parameters
-    ----------
-    indirect_lux
-        One (V, 3) array per part, as `World.indirect_lux` [lux].
+    `indirect_lux`: one (V, 3) array per part, as `World.indirect_lux` [lux].
     """
     parts = world.parts
     vertex_counts = [len(part.vertices_m) for part in parts]
@@ -155,12 +133,7 @@ def cut_into_chunks(
 ) -> tuple[NDArray[np.intp], Chunks]:
     """Sort the triangles of a mesh spatially and cut them into chunks.
 
-    Parameters
-    ----------
-    kind
-        (T,) int32 `SurfaceKind` of each triangle.
-    mover
-        (T,) int32 as `movers` gives it.
+    `kind`: (T,) int32 `SurfaceKind` of each triangle. `mover`: (T,) int32 as `movers` gives it.
 
     Returns
     -------

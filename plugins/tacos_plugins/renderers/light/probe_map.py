@@ -21,25 +21,17 @@ _SECOND_FROM = 0.35  # a second probe is mirrored too from this share of the fir
 
 @dataclass(frozen=True, eq=False)
 class ProbeMap:
-    """The two probes that places mirror.
-
-    Parameters
-    ----------
-    first, second
-        (rows along y, columns along x) int32 probes.
-    share
-        (rows, columns) float32 share of the second one, 0..0.5 [1].
-    origin_m
-        (2,) x and y of the corner of the first cell [m].
-    cell_m
-        Edge of a cell [m].
-    """
+    """The two probes that places mirror."""
 
     first: NDArray[np.int32]
     second: NDArray[np.int32]
+    """(rows along y, columns along x) int32 probes."""
     share: NDArray[np.float32]
+    """(rows, columns) float32 share of the second one, 0..0.5 [1]."""
     origin_m: NDArray[np.float64]
+    """(2,) x and y of the corner of the first cell [m]."""
     cell_m: float
+    """Edge of a cell [m]."""
 
     def packed(self) -> NDArray[np.float32]:
         """(rows, columns) whole numbers as `reflection.glsl` takes them apart, exact in float32."""

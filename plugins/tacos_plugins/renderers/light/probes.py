@@ -33,22 +33,15 @@ FaceView = Callable[[Camera, NDArray[np.float64]], tuple[NDArray[np.float32], ND
 
 @dataclass(frozen=True, eq=False)
 class Probe:
-    """The light around one place.
-
-    Parameters
-    ----------
-    position_m
-        (3,) the place [m].
-    lower_m, upper_m
-        (3,) corners of a box like the room around it [m].
-    faces_cd_m2
-        (6, FACE_PX, FACE_PX, 3) float32 luminance [cd/m2].
-    """
+    """The light around one place."""
 
     position_m: NDArray[np.float64]
+    """(3,) the place [m]."""
     lower_m: NDArray[np.float64]
     upper_m: NDArray[np.float64]
+    """(3,) corners of a box like the room around it [m]."""
     faces_cd_m2: NDArray[np.float32]
+    """(6, FACE_PX, FACE_PX, 3) float32 luminance [cd/m2]."""
 
 
 def face_camera(edge_px: int = FACE_PX) -> Camera:

@@ -12,24 +12,16 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, eq=False)
 class RayHits:
-    """Where rays first meet the mesh.
-
-    Parameters
-    ----------
-    triangle
-        (N,) int32; -1 where nothing is met.
-    distance
-        (N,) float32 in lengths of the given direction [1].
-    barycentric
-        (N, 2) float32 weights of the triangle's second and third corner [1].
-    from_behind
-        (N,) bool: the ray met the back of the triangle.
-    """
+    """Where rays first meet the mesh."""
 
     triangle: NDArray[np.int32]
+    """(N,) int32; -1 where nothing is met."""
     distance: NDArray[np.float32]
+    """(N,) float32 in lengths of the given direction [1]."""
     barycentric: NDArray[np.float32]
+    """(N, 2) float32 weights of the triangle's second and third corner [1]."""
     from_behind: NDArray[np.bool_]
+    """(N,) bool: the ray met the back of the triangle."""
 
 
 class RayTracer:

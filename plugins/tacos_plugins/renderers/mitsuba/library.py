@@ -26,10 +26,7 @@ def mitsuba_for(backend: Backend) -> ModuleType:
 
     The variant is a setting of the whole process in Mitsuba, so it is set anew before each use.
 
-    Raises
-    ------
-    UserError
-        When Mitsuba is not installed, or cannot compute with `backend` here.
+    Raises `UserError` when Mitsuba is not installed, or cannot compute with `backend` here.
     """
     try:
         import mitsuba

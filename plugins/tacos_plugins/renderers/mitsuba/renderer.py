@@ -82,10 +82,7 @@ class MitsubaRenderer:
     def capture(self, episode: Episode, *, rig: Rig, exposure: Exposure) -> Capture:
         """One view per camera of the rig for every frame of the batch.
 
-        Raises
-        ------
-        UserError
-            When Mitsuba is not installed or its backend does not work here, saying what to do.
+        Raises `UserError` when Mitsuba is not installed or its backend does not work here, saying what to do.
         """
         mitsuba = mitsuba_for(self._config.backend)
         views = (

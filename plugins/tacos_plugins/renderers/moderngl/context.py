@@ -49,12 +49,8 @@ class GlInfo:
 def gl_context() -> moderngl.Context:
     """The context of this process.
 
-    Raises
-    ------
-    UserError
-        When no context can be made, saying what to install.
-    RuntimeError
-        In a process forked from one that had a context: OpenGL would hang there.
+    Raises `UserError` when no context can be made, saying what to install. Raises `RuntimeError` in a process
+    forked from one that had a context: OpenGL would hang there.
     """
     global _context, _library, _owner_pid
     if _context is None:
@@ -78,12 +74,7 @@ def describe_gl() -> GlInfo:
 def add_level(texture: moderngl.TextureArray, level: int, texels: NDArray[np.uint8]) -> None:
     """Add one mipmap level to a stack of RGBA textures, which moderngl itself cannot.
 
-    Parameters
-    ----------
-    level
-        Number of the level, from 1.
-    texels
-        (layers, rows, columns, 4) uint8.
+    `level`: number of the level, from 1. `texels`: (layers, rows, columns, 4) uint8.
     """
     gl_context()
     layers, rows, columns, _ = texels.shape

@@ -15,19 +15,14 @@ _KINDS = 2 * int(max(SurfaceKind))
 
 @dataclass(frozen=True, eq=False)
 class DrawList:
-    """Indirect draw commands, group after group.
-
-    Parameters
-    ----------
-    commands
-        (N, 5) uint32: index count, instances, first index, base vertex, base instance.
-    groups
-        The moving object (0 for what stands still) and the bits of `SurfaceKind` of each group, its first
-        command and its number of commands.
-    """
+    """Indirect draw commands, group after group."""
 
     commands: NDArray[np.uint32]
+    """(N, 5) uint32: index count, instances, first index, base vertex, base instance."""
     groups: tuple[tuple[int, int, int, int], ...]
+    """The moving object (0 for what stands still) and the bits of `SurfaceKind` of each group, its first
+    command and its number of commands.
+    """
 
     def runs(self, first: int, count: int) -> NDArray[np.int64]:
         """(count, 2) first triangle and number of triangles of some commands."""
@@ -98,15 +93,9 @@ def frustum_planes(clip_from_world: NDArray[np.float64]) -> NDArray[np.float64]:
 
     A point p is inside where ``planes[:, :3] @ p + planes[:, 3] >= 0`` for all of them.
 
-    Parameters
-    ----------
-    clip_from_world
-        (4, 4) projection times view [1].
+    `clip_from_world`: (4, 4) projection times view [1].
 
-    Returns
-    -------
-    NDArray
-        (6, 4) float64 with normals of unit length: left, right, first row, last row, near, far [1, m].
+    Returns: (6, 4) float64 with normals of unit length: left, right, first row, last row, near, far [1, m].
 
     References
     ----------

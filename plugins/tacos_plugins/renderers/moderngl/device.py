@@ -32,13 +32,7 @@ _PROBE_NEAR_M = 0.02
 
 
 class Device:
-    """Renders worlds with one context, each lit and uploaded on first use.
-
-    Parameters
-    ----------
-    context
-        The context of this process.
-    """
+    """Renders worlds with one context, each lit and uploaded on first use."""
 
     def __init__(self, context: moderngl.Context):
         context.enable(moderngl.DEPTH_TEST)
@@ -57,10 +51,7 @@ class Device:
     def painter(self, world: World, texel_m: float) -> Painter:
         """The painter of a world.
 
-        Parameters
-        ----------
-        texel_m
-            Distance of light map texels [m].
+        `texel_m`: distance of light map texels [m].
         """
         return self.painters.get((world.key, texel_m), lambda: self._prepare(world, texel_m))
 

@@ -21,15 +21,7 @@ from tacos_plugins.renderers.software.shading_tables import ShadingTables
 
 
 class DrawnWorld:
-    """One world, and what it is drawn with, made when it is first drawn that way.
-
-    Parameters
-    ----------
-    programs, batches
-        Shaders and memory that all worlds share.
-    world, lit
-        The world and its light.
-    """
+    """One world, and what it is drawn with, made when it is first drawn that way."""
 
     def __init__(
         self, programs: Programs, batches: tuple[PixelBatch, PixelBatch], world: World, lit: BakedMesh

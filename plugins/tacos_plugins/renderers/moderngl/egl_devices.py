@@ -14,10 +14,7 @@ _MESA = Path("/usr/share/glvnd/egl_vendor.d/50_mesa.json")
 def cuda_numbers(libegl: str) -> list[int | None]:
     """For each device of EGL, in its order, the number CUDA has for it; None for one that is none of CUDA's.
 
-    Raises
-    ------
-    OSError
-        When the library cannot be loaded, or cannot list devices.
+    Raises `OSError` when the library cannot be loaded, or cannot list devices.
     """
     address = ctypes.CDLL(libegl).eglGetProcAddress
     address.restype, address.argtypes = ctypes.c_void_p, [ctypes.c_char_p]

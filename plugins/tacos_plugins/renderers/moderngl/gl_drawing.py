@@ -64,10 +64,7 @@ class GlDrawing:
     def geometry(self, seen_by: Callable[[int], Viewpoint], target: RenderTarget, draws: DrawList) -> None:
         """Draw depth [m] and surface number into a target of 2 channels; infinite and 0 for nothing.
 
-        Parameters
-        ----------
-        seen_by
-            The camera as each moving thing sees it.
+        `seen_by`: the camera as each moving thing sees it.
         """
         self._clear(target, (np.inf, 0.0, 0.0, 0.0))
         program = self._programs.geometry
@@ -86,12 +83,8 @@ class GlDrawing:
     ) -> None:
         """Draw luminance into a target of 4 channels [cd/m2].
 
-        Parameters
-        ----------
-        seen_by
-            The camera as each moving thing sees it.
-        behind
-            (H, W) window depths beyond which nothing is seen, and nothing need be shaded [1].
+        `seen_by`: the camera as each moving thing sees it. `behind`: (H, W) window depths beyond which
+        nothing is seen, and nothing need be shaded [1].
         """
         world = self.world
         red, green, blue = map(float, world.ambient_cd_m2)

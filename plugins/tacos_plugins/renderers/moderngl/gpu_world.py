@@ -43,13 +43,7 @@ ANISOTROPY = 16.0
 
 
 class GpuWorld:
-    """Buffers and textures of one world.
-
-    Parameters
-    ----------
-    world, lit
-        The world and its light.
-    """
+    """Buffers and textures of one world."""
 
     def __init__(self, context: moderngl.Context, world: World, lit: BakedMesh):
         self._context = context

@@ -23,12 +23,7 @@ CLASSES: Sequence[type[Any]] = (BakedMesh, FlatMesh, Chunks, SurfaceLight, Probe
 def kept(what: str, world: World, texel_m: float, make: Callable[[], Made]) -> Made:
     """What was made of a world before, in whatever process, or else what `make` gives.
 
-    Parameters
-    ----------
-    texel_m
-        Distance of light map texels [m].
-    make
-        Makes it of `CLASSES`, tuples and arrays.
+    `texel_m`: distance of light map texels [m]. `make`: makes it of `CLASSES`, tuples and arrays.
     """
     store, code = store_of_user(), code_key(BakedMesh)
     if store is None or code is None:

@@ -62,10 +62,7 @@ class Painter:
     ) -> None:
         """Draw luminance into a target of 4 channels by OpenGL [cd/m2].
 
-        Parameters
-        ----------
-        behind
-            (H, W) window depths beyond which nothing is seen, and nothing need be shaded [1].
+        `behind`: (H, W) window depths beyond which nothing is seen, and nothing need be shaded [1].
         """
         draws = self.world.culling.draw_list(chunks, view.eye_m, ~SurfaceKind(0))
         self.world.by_gl.colour(partial(self._seen, view), target, draws, behind)
@@ -75,10 +72,7 @@ class Painter:
     ) -> NDArray[np.float32]:
         """(H, W, 3) luminance of what pixels see, without OpenGL [cd/m2].
 
-        Parameters
-        ----------
-        triangle, depth_m
-            (H, W) number of the triangle seen, 0 for none, and how far away it is [m].
+        `triangle`, `depth_m`: (H, W) number of the triangle seen, 0 for none, and how far away it is [m].
         """
         shading = self.world.by_loops
         seen = [self._seen(view, mover) for mover in shading.tables.movers.tolist()]

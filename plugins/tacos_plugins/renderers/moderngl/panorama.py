@@ -26,21 +26,14 @@ MARGIN_PX = 8
 
 @dataclass(frozen=True, eq=False)
 class Face:
-    """One side of a cube map, a square of ``edge_px + 2 MARGIN_PX`` pixels P.
-
-    Parameters
-    ----------
-    luminance_cd_m2
-        `LEVELS` arrays of (P / 2^n, P / 2^n, 3) float32 [cd/m2].
-    nearness
-        (P, P) float32 1 / depth: linear across planes, 0 for nothing [1/m].
-    surface
-        (P, P) float32 numbers of the surfaces seen.
-    """
+    """One side of a cube map, a square of ``edge_px + 2 MARGIN_PX`` pixels P."""
 
     luminance_cd_m2: tuple[NDArray[np.float32], ...]
+    """`LEVELS` arrays of (P / 2^n, P / 2^n, 3) float32 [cd/m2]."""
     nearness: NDArray[np.float32]
+    """(P, P) float32 1 / depth: linear across planes, 0 for nothing [1/m]."""
     surface: NDArray[np.float32]
+    """(P, P) float32 numbers of the surfaces seen."""
 
     @property
     def size_bytes(self) -> int:

@@ -14,15 +14,9 @@ def projection_matrix(camera: Camera, near_m: float, far_m: float) -> NDArray[np
     It takes points of the OpenCV camera frame to clip space such that the image's first row is the
     framebuffer's first row: what is read back needs no flip. Windings appear mirrored for that reason.
 
-    Parameters
-    ----------
-    near_m, far_m
-        Nearest and farthest depth kept, ``0 < near < far`` [m].
+    `near_m`, `far_m`: nearest and farthest depth kept, ``0 < near < far`` [m].
 
-    Returns
-    -------
-    NDArray
-        (4, 4) float64, to be multiplied from the left to column vectors.
+    Returns: (4, 4) float64, to be multiplied from the left to column vectors.
 
     Examples
     --------

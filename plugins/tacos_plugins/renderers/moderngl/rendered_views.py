@@ -22,22 +22,16 @@ _BAND_ROWS = 64  # of pixels whose half pixels are drawn together, so that they 
 
 @dataclass(frozen=True, eq=False)
 class RenderedView:
-    """What is seen from one pose.
-
-    Parameters
-    ----------
-    luminance_cd_m2
-        (H, W, 3) float32, averaged over each pixel [cd/m2].
-    depth_m
-        (H, W) float32 at pixel centres, infinite for nothing [m].
-    surface
-        (H, W) float32 number of the smooth surface at pixel centres, 0 for nothing. The next picture
-        overwrites it.
-    """
+    """What is seen from one pose."""
 
     luminance_cd_m2: NDArray[np.float32]
+    """(H, W, 3) float32, averaged over each pixel [cd/m2]."""
     depth_m: NDArray[np.float32]
+    """(H, W) float32 at pixel centres, infinite for nothing [m]."""
     surface: NDArray[np.float32]
+    """(H, W) float32 number of the smooth surface at pixel centres, 0 for nothing. The next picture
+    overwrites it.
+    """
 
 
 class Photographer(Protocol):

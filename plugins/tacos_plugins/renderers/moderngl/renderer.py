@@ -95,10 +95,7 @@ class ModernglRenderer:
     def capture(self, episode: Episode, *, rig: Rig, exposure: Exposure) -> Capture:
         """One view per camera of the rig for every frame of the batch.
 
-        Raises
-        ------
-        UserError
-            When there is no OpenGL, saying what to install.
+        Raises `UserError` when there is no OpenGL, saying what to install.
         """
         used = device()
         used.painters.most_bytes = self._config.worlds_memory_mb * 10**6

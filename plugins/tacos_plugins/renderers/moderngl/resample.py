@@ -136,12 +136,8 @@ def fineness(camera: Camera, rotation: NDArray[np.float64], edge_px: int) -> NDA
     A pinhole camera of focal length f [px] turns by ``cos(a)^2 / f`` from pixel to pixel at an angle a off
     its axis, and so does a face with its focal length of ``edge_px / 2``.
 
-    Parameters
-    ----------
-    rotation
-        (3, 3) axes of the camera in the world, along whose axes the faces look [1].
-    edge_px
-        Pixels across a face [px].
+    `rotation`: (3, 3) axes of the camera in the world, along whose axes the faces look [1]. `edge_px`: pixels
+    across a face [px].
 
     Returns
     -------

@@ -32,18 +32,12 @@ _REACH = np.array(
 
 @dataclass(frozen=True, eq=False)
 class Edges:
-    """Pixels that see several surfaces, and the pixels their colours come from.
-
-    Parameters
-    ----------
-    pixel
-        (K,) int32 index of each such pixel, row by row.
-    source
-        (K, 8) int32 index of the pixel whose colour stands for each place around it.
-    """
+    """Pixels that see several surfaces, and the pixels their colours come from."""
 
     pixel: NDArray[np.int32]
+    """(K,) int32 index of each such pixel, row by row."""
     source: NDArray[np.int32]
+    """(K, 8) int32 index of the pixel whose colour stands for each place around it."""
 
     def blend(self, colour: NDArray[np.float32]) -> None:
         """Average (H, W, 3) float32 linear colour over each of the pixels, in place."""
@@ -56,12 +50,8 @@ def find_edges(pixel: NDArray[np.int32], wanted: NDArray[np.int32], seen: NDArra
     Strips thinner than a pixel are seen by few centres: their colour comes from along the strip, or they
     would break up into dashes. A surface that no centre in reach sees has the colour of the pixel itself.
 
-    Parameters
-    ----------
-    pixel, wanted
-        As `seeing_several` gives them.
-    seen
-        (H, W) number of the surface seen at the centre of each pixel.
+    `pixel`, `wanted`: as `seeing_several` gives them. `seen`: (H, W) number of the surface seen at the centre
+    of each pixel.
 
     Examples
     --------

@@ -25,18 +25,12 @@ Step = Callable[[int], object]
 
 @dataclass(frozen=True, eq=False)
 class Views:
-    """A camera as each moving thing of a world sees it, first all that rests.
-
-    Parameters
-    ----------
-    pixel_from_world
-        (M, 3, 4) to homogeneous pixels [px m, m].
-    rays
-        (M, 4, 3) as `seen_triangles.interpolate` takes them.
-    """
+    """A camera as each moving thing of a world sees it, first all that rests."""
 
     pixel_from_world: NDArray[np.float64]
+    """(M, 3, 4) to homogeneous pixels [px m, m]."""
     rays: NDArray[np.float64]
+    """(M, 4, 3) as `seen_triangles.interpolate` takes them."""
 
 
 class DeferredShading:
@@ -46,8 +40,6 @@ class DeferredShading:
     ----------
     batch, between
         Memory for pixels that are shaded together, and for those of them that mirror a second probe.
-    tables
-        What surfaces are shaded by.
     """
 
     def __init__(self, batch: PixelBatch, between: PixelBatch, tables: ShadingTables):
@@ -62,10 +54,7 @@ class DeferredShading:
     ) -> None:
         """Fill in (H, W, 3) luminance [cd/m2].
 
-        Parameters
-        ----------
-        triangle, depth_m
-            (H, W) number of the triangle seen, 0 for none, and how far away it is [m].
+        `triangle`, `depth_m`: (H, W) number of the triangle seen, 0 for none, and how far away it is [m].
         """
         # Compiled loops take a moment to import, which checking a recipe need not wait for.
         from tacos_plugins.renderers.software.seen_triangles import interpolate, planes, put, runs_by_kind

@@ -70,12 +70,7 @@ def colours(
 ) -> None:
     """Square roots of reflectance: the mean of up to four taps along a pixel's long footprint.
 
-    Parameters
-    ----------
-    texels, offsets, edge
-        See `TexelStack`.
-    floats, integers
-        Rows of a `PixelBatch` [1].
+    `texels`, `offsets`, `edge`: see `TexelStack`. `floats`, `integers`: rows of a `PixelBatch` [1].
     """
     squared, last = np.float32(2 * edge * edge), np.int32(len(offsets) - 1)
     for i in range(count):
@@ -180,12 +175,8 @@ def _add_tap(
 def light_of_maps(light_map: Floats, bend_map: Floats, floats: Floats, count: int) -> None:
     """Light, its share that shadows leave, and its bend.
 
-    Parameters
-    ----------
-    light_map, bend_map
-        (rows, columns, 4) and (rows, columns, 2), as in `BakedMesh` [cd/m2, 1].
-    floats
-        Rows of a `PixelBatch`.
+    `light_map`, `bend_map`: (rows, columns, 4) and (rows, columns, 2), as in `BakedMesh` [cd/m2, 1].
+    `floats`: rows of a `PixelBatch`.
     """
     rows, columns = light_map.shape[0], light_map.shape[1]
     light, bend = light_map.reshape(-1), bend_map.reshape(-1)

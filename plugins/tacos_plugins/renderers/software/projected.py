@@ -23,20 +23,16 @@ X, Y, LEVEL, ALONG_X, ALONG_Y, FARTHEST, NEAREST = range(7)
 
 
 class Projected(NamedTuple):
-    """Triangles that may show in an image, first those that are drawn first.
-
-    Parameters
-    ----------
-    places
-        (N, 11) int64: x and y of three corners, clockwise in an image whose rows go down [1/256 px]; first
-        and last row, first and last column of the samples among them [px]; number of the triangle, from 1.
-    inverse_depth
-        (N, 7) float64: x and y of a corner [px], inverse depth there [1/m], its change along rows and columns
-        [1/m/px], and the least and greatest inverse depth [1/m].
-    """
+    """Triangles that may show in an image, first those that are drawn first."""
 
     places: NDArray[np.int64]
+    """(N, 11) int64: x and y of three corners, clockwise in an image whose rows go down [1/256 px]; first and
+    last row, first and last column of the samples among them [px]; number of the triangle, from 1.
+    """
     inverse_depth: NDArray[np.float64]
+    """(N, 7) float64: x and y of a corner [px], inverse depth there [1/m], its change along rows and columns
+    [1/m/px], and the least and greatest inverse depth [1/m].
+    """
 
 
 def project(

@@ -25,21 +25,14 @@ from tacos_plugins.renderers.software.surface_attributes import of_vertices, row
 
 @dataclass(frozen=True, eq=False)
 class TexelStack:
-    """Layers of a texture with their mipmaps, in one run of texels.
-
-    Parameters
-    ----------
-    texels
-        (N,) red, green and blue in the lowest three bytes; level after level, in each layer after layer.
-    offsets
-        First texel of each level.
-    edge
-        Texels along an edge of the finest level.
-    """
+    """Layers of a texture with their mipmaps, in one run of texels."""
 
     texels: NDArray[np.int32]
+    """(N,) red, green and blue in the lowest three bytes; level after level, in each layer after layer."""
     offsets: NDArray[np.int32]
+    """First texel of each level."""
     edge: int
+    """Texels along an edge of the finest level."""
 
     @classmethod
     def of(cls, levels: Sequence[NDArray[np.uint8]]) -> TexelStack:
@@ -61,13 +54,7 @@ class TexelStack:
 
 
 class ShadingTables:
-    """Tables of one world. What is numbered from 1 has a place 0 for nothing.
-
-    Parameters
-    ----------
-    world, lit
-        The world and its light.
-    """
+    """Tables of one world. What is numbered from 1 has a place 0 for nothing."""
 
     def __init__(self, world: World, lit: BakedMesh):
         mesh, chunks = lit.mesh, lit.chunks

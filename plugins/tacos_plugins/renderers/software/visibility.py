@@ -44,15 +44,9 @@ def look(
 ) -> None:
     """Draw a band of rows of an image.
 
-    Parameters
-    ----------
-    projected
-        Triangles on the whole image.
-    inverse_depth, seen
-        (rows, W) are filled: inverse depth [1/m] and number of the triangle, 0 for nothing. `with_lanes`
-        makes them, as loops take what lies behind their end along.
-    first_row
-        Row of the whole image that the first one here is.
+    `inverse_depth`, `seen`: (rows, W) are filled: inverse depth [1/m] and number of the triangle, 0 for
+    nothing. `with_lanes` makes them, as loops take what lies behind their end along. `first_row`: row of the
+    whole image that the first one here is.
     """
     inverse_depth.fill(0)
     seen.fill(0)
@@ -229,10 +223,7 @@ def _laid(
     to row c changes by a constant, so quotient and remainder follow without a division: both, their changes,
     and the divisor.
 
-    Parameters
-    ----------
-    part
-        0 for the edge from the upper corner, 1 for that to the lower one.
+    `part`: 0 for the edge from the upper corner, 1 for that to the lower one.
     """
     top, bottom = min(corners[1], corners[3], corners[5]), max(corners[1], corners[3], corners[5])
     for corner in range(3):

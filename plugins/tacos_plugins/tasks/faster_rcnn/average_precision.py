@@ -22,21 +22,14 @@ COUNTED, NOT_COUNTED = 1.0, 0.0
 
 @dataclass(frozen=True, eq=False)
 class Detections:
-    """What a detector found in a frame.
-
-    Parameters
-    ----------
-    boxes_px
-        (K, 4) float32 left, top, right and bottom edge, as in `Labels` [px].
-    classes
-        (K,) int64 number of the class, from 1.
-    confidences
-        (K,) float32 in 0..1.
-    """
+    """What a detector found in a frame."""
 
     boxes_px: NDArray[np.float32]
+    """(K, 4) float32 left, top, right and bottom edge, as in `Labels` [px]."""
     classes: NDArray[np.int64]
+    """(K,) int64 number of the class, from 1."""
     confidences: NDArray[np.float32]
+    """(K,) float32 in 0..1."""
 
 
 class AveragePrecision:

@@ -15,21 +15,13 @@ from tacos_plugins.tasks.faster_rcnn.labels import Labels
 
 @dataclass(frozen=True, eq=False)
 class Example:
-    """A frame to learn from or to be judged on.
-
-    Parameters
-    ----------
-    image_dn
-        (H, W, C) uint8 or uint16, linear [DN].
-    black_level_dn, white_level_dn
-        Pedestal and full scale [DN].
-    labels
-        What there is to detect.
-    """
+    """A frame to learn from or to be judged on."""
 
     image_dn: NDArray[Any]
+    """(H, W, C) uint8 or uint16, linear [DN]."""
     black_level_dn: float
     white_level_dn: float
+    """Pedestal and full scale [DN]."""
     labels: Labels
 
     def mirrored(self) -> Example:

@@ -13,22 +13,16 @@ from tacos_framework import World
 
 @dataclass(frozen=True, eq=False)
 class Labels:
-    """The objects of a frame.
-
-    Parameters
-    ----------
-    boxes_px
-        (K, 4) float32 left, top, right and bottom edge. A pixel covers its index to its index plus one, so an
-        object of one pixel at (3, 5) has the box 3, 5, 4, 6 [px].
-    classes
-        (K,) int64 index into the classes that are looked for, from 1; 0 is the background.
-    counts
-        (K,) bool: large enough to be asked for. Finding one that is not is neither right nor wrong.
-    """
+    """The objects of a frame."""
 
     boxes_px: NDArray[np.float32]
+    """(K, 4) float32 left, top, right and bottom edge. A pixel covers its index to its index plus one, so an
+    object of one pixel at (3, 5) has the box 3, 5, 4, 6 [px].
+    """
     classes: NDArray[np.int64]
+    """(K,) int64 index into the classes that are looked for, from 1; 0 is the background."""
     counts: NDArray[np.bool_]
+    """(K,) bool: large enough to be asked for. Finding one that is not is neither right nor wrong."""
 
     def __len__(self) -> int:
         return len(self.classes)

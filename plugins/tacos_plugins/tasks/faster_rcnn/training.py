@@ -67,27 +67,11 @@ def train(
 ) -> int:
     """Train a model in place.
 
-    Parameters
-    ----------
-    examples
-        Gives the training frames anew for each pass.
-    epochs
-        Passes to train for.
-    passes
-        Passes it was trained for before.
-    norms
-        Whether batch normalisation learns too.
-    on_step
-        Called with the losses of each step.
+    `examples`: gives the training frames anew for each pass.
 
-    Returns
-    -------
-    Passes it was trained for now.
+    Returns: passes it was trained for now.
 
-    Raises
-    ------
-    TrainingDiverged
-        When the loss is no number, or the last step has made weights that are none.
+    Raises `TrainingDiverged` when the loss is no number, or the last step has made weights that are none.
     """
     model.train()
     if not norms:

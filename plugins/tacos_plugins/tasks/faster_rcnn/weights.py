@@ -31,10 +31,7 @@ NORM_EPSILON_OF_COCO = {"resnet50-fpn": 0.0}
 def weights_file(name: str) -> Path | None:
     """The file a setting ``weights`` names, shipped or by its path; None where it names none.
 
-    Raises
-    ------
-    UserError
-        When there is no such file.
+    Raises `UserError` when there is no such file.
     """
     return None if name == COCO else named_weights(name, where=WHERE, others=(COCO,))
 
@@ -42,10 +39,8 @@ def weights_file(name: str) -> Path | None:
 def load_weights(model: FasterRCNN, name: str, backbone: Backbone) -> None:
     """Load what a setting ``weights`` names into a model.
 
-    Raises
-    ------
-    UserError
-        When the file is no checkpoint of this detector, or torchvision's weights cannot be had.
+    Raises `UserError` when the file is no checkpoint of this detector, or torchvision's weights cannot be
+    had.
     """
     file = weights_file(name)
     if file is not None:

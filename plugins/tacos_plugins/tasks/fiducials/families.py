@@ -31,22 +31,15 @@ def cells_of(family: str) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Tag:
-    """A marker of a world.
-
-    Parameters
-    ----------
-    object_id
-        Index into `World.objects`.
-    number
-        Which of its family.
-    corners_m
-        (4, 3) corners of its black border in the world, clockwise from the upper left as it is read [m].
-    """
+    """A marker of a world."""
 
     object_id: int
+    """Index into `World.objects`."""
     family: str
     number: int
+    """Which of its family."""
     corners_m: NDArray[np.float64]
+    """(4, 3) corners of its black border in the world, clockwise from the upper left as it is read [m]."""
 
     @property
     def edge_m(self) -> float:

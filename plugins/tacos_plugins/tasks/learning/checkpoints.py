@@ -49,15 +49,9 @@ SHOWN = 3
 def named_weights(name: str, *, where: str, others: Sequence[str] = ()) -> Path | None:
     """The file a setting ``weights`` names: by its path, or as weights that are shipped; None for ``none``.
 
-    Parameters
-    ----------
-    others
-        What else the setting may say, for the message.
+    `others`: what else the setting may say, for the message.
 
-    Raises
-    ------
-    UserError
-        When there is no such file.
+    Raises `UserError` when there is no such file.
     """
     if name == NONE:
         return None
@@ -90,10 +84,7 @@ def read_checkpoint(path: Path, *, where: str) -> dict[str, Tensor]:
     wrote, with torch's loader that builds tensors and plain values and refuses all else. A dict that keeps
     them under ``state_dict`` or ``model`` is opened; the prefix ``module.`` of parallel training falls away.
 
-    Raises
-    ------
-    UserError
-        When the file is not there or not such a checkpoint.
+    Raises `UserError` when the file is not there or not such a checkpoint.
     """
     raw = read_bytes(path, "weights_mb", where=where)
     content = _safetensors(raw, path, where) if path.suffix == ".safetensors" else _torch(raw, path, where)
@@ -116,15 +107,9 @@ def load_checkpoint(tensors: Mapping[str, Tensor], module: nn.Module, *, where: 
 
     Counters of batch normalisation, which old versions of torch did not keep, may be absent.
 
-    Parameters
-    ----------
-    made_for
-        What the module is, for the message: ``PSMNet of width 1``.
+    `made_for`: what the module is, for the message: ``PSMNet of width 1``.
 
-    Raises
-    ------
-    UserError
-        When the tensors are those of another architecture; names what differs.
+    Raises `UserError` when the tensors are those of another architecture; names what differs.
     """
     wanted = module.state_dict()
     given = dict(tensors)

@@ -24,18 +24,10 @@ DEVICE_HELP = "Where it computes: auto (a GPU where there is one), cpu, cuda, or
 def pick_device(name: str, *, where: str) -> torch.device:
     """The device a task computes on.
 
-    Parameters
-    ----------
-    name
-        ``auto`` is what `chosen_device` says, else the first GPU where CUDA works, else the CPU; or
-        ``cpu``, ``cuda``, ``cuda:1``.
-    where
-        What asks for it, for messages: ``task.psmnet``.
+    `name`: ``auto`` is what `chosen_device` says, else the first GPU where CUDA works, else the CPU; or
+    ``cpu``, ``cuda``, ``cuda:1``. `where`: what asks for it, for messages: ``task.psmnet``.
 
-    Raises
-    ------
-    UserError
-        When CUDA is asked for and not there, or there are fewer GPUs.
+    Raises `UserError` when CUDA is asked for and not there, or there are fewer GPUs.
     """
     gpus = torch.cuda.device_count() if torch.cuda.is_available() else 0
     if name == "auto":
@@ -62,12 +54,8 @@ def drawing_from(rng: np.random.Generator, device: torch.device | None = None) -
 
     For code that cannot be handed a generator: modules that initialise themselves, samplers, dropout.
 
-    Parameters
-    ----------
-    rng
-        Gives the seed; the same state gives the same numbers.
-    device
-        The GPU whose generator is seeded too; None for the CPU alone.
+    `rng`: gives the seed; the same state gives the same numbers. `device`: the GPU whose generator is seeded
+    too; None for the CPU alone.
     """
     gpus = [device] if device is not None and device.type == "cuda" else []
     with torch.random.fork_rng(devices=gpus):

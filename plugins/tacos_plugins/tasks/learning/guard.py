@@ -29,10 +29,7 @@ class TrainingDiverged(CandidateFailed):
 def finite(loss: Tensor, *, step: int, where: str) -> float:
     """The value of a loss, which must be a number.
 
-    Raises
-    ------
-    TrainingDiverged
-        When it is NaN or infinite.
+    Raises `TrainingDiverged` when it is NaN or infinite.
     """
     value = float(loss.detach())
     if not math.isfinite(value):
@@ -43,10 +40,7 @@ def finite(loss: Tensor, *, step: int, where: str) -> float:
 def finite_weights(module: nn.Module, *, where: str) -> None:
     """Refuse weights that a last step has made other than numbers.
 
-    Raises
-    ------
-    TrainingDiverged
-        When there are NaN or infinite ones; names the first entry.
+    Raises `TrainingDiverged` when there are NaN or infinite ones; names the first entry.
     """
     for name, tensor in module.state_dict().items():
         if not bool(torch.isfinite(tensor).all()):
@@ -56,17 +50,9 @@ def finite_weights(module: nn.Module, *, where: str) -> None:
 def halving_batch_once(fit: Callable[[int], Fitted], batch_size: int, *, where: str) -> Fitted:
     """The result of training with this batch size, or with half of it where memory runs out.
 
-    Parameters
-    ----------
-    fit
-        Trains from the start with a batch size; called a second time where the first ran out of memory.
-    batch_size
-        Samples in a step.
+    `fit`: trains from the start with a batch size; called a second time where the first ran out of memory.
 
-    Raises
-    ------
-    UserError
-        When memory runs out with half a batch too, or a batch is a single sample.
+    Raises `UserError` when memory runs out with half a batch too, or a batch is a single sample.
     """
     if batch_size > 1:
         try:

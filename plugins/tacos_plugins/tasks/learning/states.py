@@ -52,9 +52,7 @@ def state_of(module: nn.Module, adam: torch.optim.Adam | None = None, *, schedul
 def restore(state: State, module: nn.Module, adam: torch.optim.Adam | None = None) -> int:
     """Bring a module and its optimizer to a state given by `state_of`; they share no memory with it.
 
-    Returns
-    -------
-    Steps of the learning-rate schedule so far.
+    Returns: steps of the learning-rate schedule so far.
     """
     module.load_state_dict(
         {

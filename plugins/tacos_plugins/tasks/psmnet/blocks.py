@@ -65,17 +65,10 @@ class Hourglass(nn.Module):
     ) -> tuple[Tensor, Tensor, Tensor]:
         """Refine a cost volume.
 
-        Parameters
-        ----------
-        cost
-            (N, channels, D, H, W), sizes divisible by 4.
-        way_down, way_up
-            (N, 2 channels, D / 2, H / 2, W / 2) from hourglasses before: of the first one on its way down, of
-            the last one on its way up.
+        `cost`: (N, channels, D, H, W), sizes divisible by 4. `way_down`, `way_up`: (N, 2 channels, D / 2, H /
+        2, W / 2) from hourglasses before: of the first one on its way down, of the last one on its way up.
 
-        Returns
-        -------
-        The refinement, shaped as `cost`, and its own two at half the size.
+        Returns: the refinement, shaped as `cost`, and its own two at half the size.
         """
         half = self.conv2(self.conv1(cost))
         down = functional.relu(half if way_up is None else half + way_up)

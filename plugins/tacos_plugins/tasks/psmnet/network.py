@@ -64,15 +64,10 @@ class PSMNet(nn.Module):
     def forward(self, left: Tensor, right: Tensor) -> list[Tensor]:
         """Disparities of the left image.
 
-        Parameters
-        ----------
-        left, right
-            (N, 3, H, W) normalised images.
+        `left`, `right`: (N, 3, H, W) normalised images.
 
-        Returns
-        -------
-        (N, H, W) float32 disparities [px]: in training those after each of the three hourglasses, else those
-        after the last alone.
+        Returns: (N, H, W) float32 disparities [px]: in training those after each of the three hourglasses,
+        else those after the last alone.
         """
         height, width = left.shape[-2:]
         padding = (0, -width % MULTIPLE_PX, 0, -height % MULTIPLE_PX)
@@ -109,16 +104,9 @@ class PSMNet(nn.Module):
 def cost_volume(left: Tensor, right: Tensor, disparities: int) -> Tensor:
     """Features of both images side by side, at each disparity.
 
-    Parameters
-    ----------
-    left, right
-        (N, C, H, W).
-    disparities
-        How many, counted from 0 [px].
+    `left`, `right`: (N, C, H, W). `disparities`: how many, counted from 0 [px].
 
-    Returns
-    -------
-    (N, 2 C, disparities, H, W); zero where a disparity leads out of the right image.
+    Returns: (N, 2 C, disparities, H, W); zero where a disparity leads out of the right image.
     """
     count, channels, height, width = left.shape
     volume = left.new_zeros(count, 2 * channels, disparities, height, width)
@@ -131,14 +119,9 @@ def cost_volume(left: Tensor, right: Tensor, disparities: int) -> Tensor:
 def soft_argmax(volume: Tensor) -> Tensor:
     """The mean disparity under the softmax of a volume.
 
-    Parameters
-    ----------
-    volume
-        (N, D, H, W) logarithms of likelihoods, up to a constant.
+    `volume`: (N, D, H, W) logarithms of likelihoods, up to a constant.
 
-    Returns
-    -------
-    (N, H, W), in 0 .. D - 1 [px].
+    Returns: (N, H, W), in 0 .. D - 1 [px].
     """
     disparities = torch.arange(volume.shape[1], dtype=volume.dtype, device=volume.device)
     shares = functional.softmax(volume, dim=1)

@@ -64,19 +64,9 @@ def train(
     Batches without any pixel to learn from are passed over. A GPU works on a batch while the next one is
     rendered: its loss is looked at only then.
 
-    Parameters
-    ----------
-    examples
-        Gives the training pairs anew for each pass.
-    epochs
-        Passes to train for.
-    on_step
-        Called with the loss of each step.
+    `examples`: gives the training pairs anew for each pass.
 
-    Raises
-    ------
-    TrainingDiverged
-        When the loss or the weights are no longer numbers.
+    Raises `TrainingDiverged` when the loss or the weights are no longer numbers.
     """
     network.train()
     losses: list[Tensor] = []
@@ -109,17 +99,10 @@ def train(
 def disparity_loss(estimates: Sequence[Tensor], truth_px: Tensor, max_disparity: int) -> Tensor:
     """The weighted sum of smooth L1 over the estimates of the three hourglasses.
 
-    Parameters
-    ----------
-    estimates
-        (N, H, W) each, the last hourglass last [px].
-    truth_px
-        (N, H, W); pixels count where it is above 0 and below `max_disparity` [px].
+    `estimates`: (N, H, W) each, the last hourglass last [px]. `truth_px`: (N, H, W); pixels count where it is
+    above 0 and below `max_disparity` [px].
 
-    Returns
-    -------
-    Tensor
-        A scalar; 0 where no pixel counts.
+    Returns: a scalar; 0 where no pixel counts.
 
     References
     ----------

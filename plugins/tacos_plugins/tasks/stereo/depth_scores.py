@@ -82,12 +82,8 @@ class DepthScores:
     ) -> None:
         """Take in a frame.
 
-        Parameters
-        ----------
-        disparity_px
-            (H, W) estimates in the left image; 0 or below stands for infinitely far [px].
-        depth_m
-            (H, W) truth of the left camera; infinite where nothing is [m].
+        `disparity_px`: (H, W) estimates in the left image; 0 or below stands for infinitely far [px].
+        `depth_m`: (H, W) truth of the left camera; infinite where nothing is [m].
         """
         near = depth_m < self._max_depth_m
         truth_m = np.minimum(depth_m, self._max_depth_m).astype(np.float64)

@@ -15,23 +15,16 @@ from tacos_plugins.tasks.stereo.pair import StereoPair
 
 @dataclass(frozen=True, eq=False)
 class StereoExample:
-    """One pair.
-
-    Parameters
-    ----------
-    left_dn, right_dn
-        (H, W, C) uint8 or uint16 linear images [DN].
-    black_level_dn, white_level_dn
-        Pedestal and full scale [DN].
-    depth_m
-        (H, W) float32 truth of the left image; infinite where nothing is [m].
-    """
+    """One pair."""
 
     left_dn: NDArray[Any]
     right_dn: NDArray[Any]
+    """(H, W, C) uint8 or uint16 linear images [DN]."""
     black_level_dn: float
     white_level_dn: float
+    """Pedestal and full scale [DN]."""
     depth_m: NDArray[np.float32]
+    """(H, W) float32 truth of the left image; infinite where nothing is [m]."""
     pair: StereoPair
 
     def cropped(self, width_px: int, height_px: int, rng: np.random.Generator) -> StereoExample:
@@ -50,12 +43,8 @@ class StereoExample:
     def disparity_px(self, *, max_depth_m: float, sky: bool) -> NDArray[np.float32]:
         """(H, W) true disparities [px].
 
-        Parameters
-        ----------
-        max_depth_m
-            Depths are capped here [m].
-        sky
-            Whether what lies beyond counts as standing there; it has the disparity 0 otherwise.
+        `max_depth_m`: depths are capped here [m]. `sky`: whether what lies beyond counts as standing there;
+        it has the disparity 0 otherwise.
         """
         beyond_m = max_depth_m if sky else np.inf
         return self.pair.disparity_px(np.where(self.depth_m < max_depth_m, self.depth_m, beyond_m))

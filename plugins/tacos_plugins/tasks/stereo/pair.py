@@ -20,17 +20,6 @@ ALIGNED = 1e-6
 class StereoPair:
     """Two equal, parallel cameras side by side.
 
-    Parameters
-    ----------
-    left, right
-        Where the two stand in the rig.
-    width_px, height_px
-        Size of both images [px].
-    focal_length_px
-        Focal length of both [px].
-    baseline_m
-        Distance of their optical centres [m].
-
     Notes
     -----
     A point at depth Z lies ``d = f b / Z`` pixels further left in the right image (the paper's rectified
@@ -39,10 +28,14 @@ class StereoPair:
 
     left: int
     right: int
+    """Where the two stand in the rig."""
     width_px: int
     height_px: int
+    """Size of both images [px]."""
     focal_length_px: float
+    """Focal length of both [px]."""
     baseline_m: float
+    """Distance of their optical centres [m]."""
 
     @property
     def disparity_metre(self) -> float:

@@ -22,24 +22,16 @@ LOST_DEG = 180.0
 
 @dataclass(frozen=True)
 class MotionError:
-    """What one estimate is off by; None where there is nothing to tell it by.
-
-    Parameters
-    ----------
-    found
-        Whether there is an estimate at all.
-    rotation_deg
-        Angle between the rotations [deg].
-    direction_deg
-        Angle between the translations; None where the camera hardly moved [deg].
-    position_share
-        Distance between the translations over the length of the true one, where lengths are estimated [1].
-    """
+    """What one estimate is off by; None where there is nothing to tell it by."""
 
     found: bool
+    """Whether there is an estimate at all."""
     rotation_deg: float
+    """Angle between the rotations [deg]."""
     direction_deg: float | None
+    """Angle between the translations; None where the camera hardly moved [deg]."""
     position_share: float | None
+    """Distance between the translations over the length of the true one, where lengths are estimated [1]."""
 
 
 def motion_error(

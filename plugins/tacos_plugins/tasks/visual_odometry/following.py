@@ -39,24 +39,17 @@ class Follower(Protocol):
 
 @dataclass(frozen=True)
 class PatchFollower:
-    """Corners (Shi and Tomasi 1994) whose patches are followed (Lucas and Kanade 1981) forth and back.
-
-    Parameters
-    ----------
-    points
-        Corners of an image, at least `apart_px` from one another [1].
-    window_px, levels
-        Edge of the patch [px], and halvings of the image in which it is looked for first.
-    returns_px
-        A patch that comes back farther than this from where it started is lost [px].
-    """
+    """Corners (Shi and Tomasi 1994) whose patches are followed (Lucas and Kanade 1981) forth and back."""
 
     points: int
+    """Corners of an image, at least `apart_px` from one another [1]."""
     apart_px: float
     quality: float = 0.01
     window_px: int = 21
     levels: int = 4
+    """Edge of the patch [px], and halvings of the image in which it is looked for first."""
     returns_px: float = 0.5
+    """A patch that comes back farther than this from where it started is lost [px]."""
 
     def marked(self, grey: NDArray[np.uint8]) -> Marked:
         found = cv2.goodFeaturesToTrack(grey, self.points, self.quality, self.apart_px)

@@ -26,17 +26,11 @@ def motion_between(
     taken: frames follow one another within a fraction of a turn. The direction is that in which more of the
     scene lies ahead. All inliers then refine the motion by their angles to the epipolar planes.
 
-    Parameters
-    ----------
-    first, second
-        (N, 3) unit rays of the matches in the two camera frames.
-    focal_length_px
-        Turns the threshold of `consensus` into an angle [px].
+    `first`, `second`: (N, 3) unit rays of the matches in the two camera frames. `focal_length_px`: turns the
+    threshold of `consensus` into an angle [px].
 
-    Returns
-    -------
-    (4, 4) second_from_first, with a translation of length 1, and (N,) which matches agree; None where no
-    motion is found.
+    Returns: (4, 4) second_from_first, with a translation of length 1, and (N,) which matches agree; None
+    where no motion is found.
 
     References
     ----------

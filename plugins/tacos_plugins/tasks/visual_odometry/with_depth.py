@@ -49,16 +49,10 @@ def motion_of_points(
 ) -> tuple[Floats, NDArray[np.bool_]] | None:
     """The motion under which most points are seen where they are.
 
-    Parameters
-    ----------
-    points_m
-        (N, 3) in the camera frame before the motion [m].
-    second
-        (N, 3) unit rays along which they are seen after it.
+    `points_m`: (N, 3) in the camera frame before the motion [m]. `second`: (N, 3) unit rays along which they
+    are seen after it.
 
-    Returns
-    -------
-    (4, 4) second_from_first [m] and (N,) which points agree; None where no motion is found.
+    Returns: (4, 4) second_from_first [m] and (N,) which points agree; None where no motion is found.
     """
     usable = reach_plane(second)
     if np.count_nonzero(usable) < LEAST_POINTS:
