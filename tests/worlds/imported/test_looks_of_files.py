@@ -264,7 +264,6 @@ def test_a_plain_file_has_nothing_to_be_said(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("extension", "setting"),
     [
-        ("KHR_draco_mesh_compression", "Compression off"),
         ("EXT_meshopt_compression", "without -c"),
         ("KHR_texture_basisu", "PNG or JPEG"),
     ],

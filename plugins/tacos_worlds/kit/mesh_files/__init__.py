@@ -1,7 +1,7 @@
 """glTF, OBJ, PLY and STL files from outside, read into :class:`tacos_worlds.kit.models.model.Model`.
 
 ``read``          the door: a file to a model
-``gltf``          glTF, by ``gltf_buffers``, ``gltf_skins`` and ``gltf_notes``
+``gltf``          glTF, by ``gltf_buffers``, ``gltf_primitives``, ``gltf_skins`` and ``gltf_notes``
 ``obj``           OBJ, with libraries of materials by ``mtl`` and ``mtl_skins``
 ``ply``, ``stl``  those
 ``polygons``      polygons as triangles

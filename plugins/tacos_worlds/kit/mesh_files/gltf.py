@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,9 @@ from scipy.spatial.transform import Rotation
 from tacos_worlds.kit.mesh_files.damage import Damaged, refuse_triangles
 from tacos_worlds.kit.mesh_files.gltf_buffers import Buffers, Json
 from tacos_worlds.kit.mesh_files.gltf_notes import UNDERSTOOD, notes_on, remedy_for
+from tacos_worlds.kit.mesh_files.gltf_primitives import Primitive
 from tacos_worlds.kit.mesh_files.gltf_skins import Skins
+from tacos_worlds.kit.mesh_files.precision import rounding_note
 from tacos_worlds.kit.mesh_files.references import References
 from tacos_worlds.kit.models.model import Model, PunctualLight, Surface
 
@@ -44,7 +47,10 @@ def read_gltf(content: bytes, references: References, most_px: int, most_triangl
     required = set(map(str, buffers.header.get("extensionsRequired", [])))
     if unknown := sorted(required - UNDERSTOOD):
         raise Damaged("; ".join(f"it needs {name}: {remedy_for(name)}" for name in unknown))
-    return replace(_Reader(buffers, most_px, most_triangles).model(), notes=tuple(notes_on(buffers)))
+    reader = _Reader(buffers, most_px, most_triangles)
+    model = reader.model()
+    notes = dict.fromkeys((*references.notes, *reader.rounded, *notes_on(buffers)))
+    return replace(model, notes=tuple(notes))
 
 
 class _Reader:
@@ -52,6 +58,7 @@ class _Reader:
         self._buffers, self._most_triangles = buffers, most_triangles
         self._skins = Skins(buffers, most_px)
         self._lights: list[PunctualLight] = []
+        self.rounded: list[str] = []
         self._placed: set[object] = set()
         self._triangle_count = 0
         self._default_skin = len(buffers.listed("materials"))
@@ -80,40 +87,97 @@ class _Reader:
         own = node.get("extras")
         extras = {**extras, **own} if isinstance(own, dict) else extras
         path = (*path, str(node.get("name", f"node {index}")))
-        world = above @ _local(node)
+        world, more = above @ _local(node), node.get("extensions", {})
         if not np.isfinite(world).all():
             raise Damaged(f"node {'/'.join(path)} has a transform that is not finite")
-        if (light := node.get("extensions", {}).get("KHR_lights_punctual")) is not None:
+        if more.get("KHR_node_visibility", {}).get("visible", True) is False:
+            return
+        if (light := more.get("KHR_lights_punctual")) is not None:
             self._lights.append(self._light(light, world))
         if "mesh" in node:
             mesh = self._buffers.entry("meshes", node["mesh"])
             named = mesh.get("name")
-            for primitive in mesh.get("primitives", []):
-                surface = self._surface(primitive, world, (*path, str(named)) if named else path, extras)
-                if surface is not None:
-                    yield surface
+            bones = self._bones(node["skin"]) if "skin" in node else None
+            weights: Sequence[float] = node.get("weights") or mesh.get("weights") or ()
+            for place in self._copies(more.get("EXT_mesh_gpu_instancing"), world):
+                for primitive in mesh.get("primitives", []):
+                    surface = self._surface(
+                        primitive, place, (*path, str(named)) if named else path, extras, weights, bones
+                    )
+                    if surface is not None:
+                        yield surface
         for child in node.get("children", []):
             yield from self._walk(child, world, path, extras)
 
+    def _copies(self, instancing: Json | None, world: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
+        """Where a mesh stands: once, or as often as EXT_mesh_gpu_instancing says."""
+        if instancing is None:
+            yield world
+            return
+        read = {
+            kind: self._buffers.accessor(accessor).astype(np.float64)
+            for kind, accessor in instancing.get("attributes", {}).items()
+            if kind in ("TRANSLATION", "ROTATION", "SCALE")
+        }
+        for number in range(max(map(len, read.values()), default=0)):
+            yield world @ _local({kind.lower(): rows[number] for kind, rows in read.items()})
+
+    def _bones(self, skin: object) -> NDArray[np.float64]:
+        """(J, 4, 4) from the place where each bone was bound to where it is, in the world of the file."""
+        entry = self._buffers.entry("skins", skin)
+        joints = list(entry.get("joints", []))
+        bound = np.tile(np.eye(4), (len(joints), 1, 1))
+        if "inverseBindMatrices" in entry:
+            matrices = self._buffers.accessor(entry["inverseBindMatrices"])
+            bound = matrices.reshape(-1, 4, 4).transpose(0, 2, 1).astype(np.float64)
+        if len(bound) < len(joints):
+            raise Damaged(f"skin {skin} has {len(bound)} matrices for {len(joints)} bones")
+        return np.array([self._placed_at(joint) @ at for joint, at in zip(joints, bound, strict=False)])
+
+    def _placed_at(self, node: object) -> NDArray[np.float64]:
+        """(4, 4) from a node to the world of the file."""
+        matrix = np.eye(4)
+        for _ in range(_DEEPEST):
+            matrix = _local(self._buffers.entry("nodes", node)) @ matrix
+            if node not in self._parents:
+                return matrix
+            node = self._parents[node]
+        raise Damaged(f"its nodes lie more than {_DEEPEST} deep in one another")
+
+    @cached_property
+    def _parents(self) -> Mapping[object, object]:
+        nodes = enumerate(self._buffers.listed("nodes"))
+        return {child: number for number, node in nodes for child in node.get("children", [])}
+
     def _surface(
-        self, primitive: Json, world: NDArray[np.float64], path: tuple[str, ...], extras: Mapping[str, Any]
+        self,
+        primitive: Json,
+        world: NDArray[np.float64],
+        path: tuple[str, ...],
+        extras: Mapping[str, Any],
+        weights: Sequence[float],
+        bones: NDArray[np.float64] | None,
     ) -> Surface | None:
         """A primitive in the world; None for points and lines."""
         mode, attributes = primitive.get("mode", _TRIANGLES), primitive.get("attributes", {})
         if mode not in (_TRIANGLES, _STRIP, _FAN) or "POSITION" not in attributes:
             return None
-        draco = "KHR_draco_mesh_compression"
-        if draco in primitive.get("extensions", {}) and not self._buffers.has_data(attributes["POSITION"]):
-            raise Damaged(f"it is compressed by {draco}: {remedy_for(draco)}")
         self._count(primitive.get("indices", attributes["POSITION"]), mode)
-        read = self._buffers.accessor
-        vertices = _wide(read(attributes["POSITION"]), 3, path)
-        indices = read(primitive["indices"])[:, 0] if "indices" in primitive else np.arange(len(vertices))
-        triangles = _triangles(indices.astype(np.int64), mode)
+        corners = Primitive(self._buffers, primitive)
+        positions = corners.read("POSITION")
+        vertices = corners.morphed(_wide(positions, 3, path), weights)
+        if not self.rounded and positions.dtype.kind == "f":
+            self.rounded += rounding_note(vertices, single=True)
+        triangles = _triangles(corners.indices(len(vertices)), mode)
         if len(triangles) and int(triangles.max()) >= len(vertices):
             raise Damaged(f"{'/'.join(path)} names vertex {int(triangles.max())} of {len(vertices)}")
+        if bones is not None and "JOINTS_0" in attributes:
+            blend = corners.blends(bones)  # where its own node stands has no effect then
+            vertices = np.einsum("nij,nj->ni", blend[:, :3, :3], vertices) + blend[:, :3, 3]
+            world = np.eye(4)
         if np.linalg.det(world[:3, :3]) < 0:
             triangles = triangles[:, ::-1]  # mirrored
+        moved = bones is not None or any(weights)
         material = primitive.get("material")
         return _of_used_vertices(
             Surface(
@@ -121,11 +185,11 @@ class _Reader:
                 vertices=vertices @ world[:3, :3].T + world[:3, 3],
                 triangles=triangles,
                 skin=self._default_skin if material is None else int(material),
-                normals=_turned(read(attributes["NORMAL"]), world) if "NORMAL" in attributes else None,
-                uv=self._uv(attributes, material, len(vertices)),
-                colours=_wide(_unit(read(attributes["COLOR_0"])), 3, path)
-                if "COLOR_0" in attributes
+                normals=_turned(corners.read("NORMAL"), world)
+                if "NORMAL" in attributes and not moved
                 else None,
+                uv=self._uv(corners, material, len(vertices)),
+                colours=_wide(_unit(corners.read("COLOR_0")), 3, path) if "COLOR_0" in attributes else None,
                 extras=extras,
             )
         )
@@ -136,11 +200,11 @@ class _Reader:
         self._triangle_count += corners // 3 if mode == _TRIANGLES else max(corners - 2, 0)
         refuse_triangles(self._buffers.references.where, self._triangle_count, self._most_triangles)
 
-    def _uv(self, attributes: Json, material: object, count: int) -> NDArray[np.float64] | None:
+    def _uv(self, corners: Primitive, material: object, count: int) -> NDArray[np.float64] | None:
         which, moved = self._skins.uv_set(material)
-        if (name := f"TEXCOORD_{which}") not in attributes:
+        if (name := f"TEXCOORD_{which}") not in corners.attributes:
             return None
-        read = self._buffers.accessor(attributes[name])
+        read = corners.read(name)
         # Whole numbers of a quantised mesh are what they are: the transform of the texture scales them.
         uv = (read.astype(np.float64) if self._quantised else _unit(read))[:, :2]
         if len(uv) != count:

@@ -51,7 +51,7 @@ class Buffers:
             raise UserError(too_large(references.where, "its JSON", len(text), "json_mb"))
         if not content or content.lstrip()[:1] == b"<":
             raise Damaged(f"it is {'a web page, as a download that failed' if content else 'empty'}")
-        header = parse_json(text.decode("utf-8"), references.where, "glTF", "Export the model again.")
+        header = parse_json(text.decode("utf-8-sig"), references.where, "glTF", "Export the model again.")
         asset = header.get("asset") if isinstance(header, dict) else None
         if not isinstance(asset, dict) or not str(asset.get("version", "")).startswith("2"):
             raise Damaged("it is not glTF 2.0: asset.version is missing or another")
@@ -72,9 +72,18 @@ class Buffers:
 
     def view(self, index: object) -> memoryview:
         entry = self.entry("bufferViews", index)
-        if "EXT_meshopt_compression" in entry.get("extensions", {}):
-            raise Damaged("it is compressed by EXT_meshopt_compression: run gltfpack without -c and -cc")
+        if packed := {"EXT_meshopt_compression", "KHR_meshopt_compression"} & set(
+            entry.get("extensions", {})
+        ):
+            self._refuse_packed(entry.get("buffer"), min(packed))
         return _cut(self._buffer(entry.get("buffer")), entry, f"bufferViews[{index}]")
+
+    def _refuse_packed(self, buffer: object, extension: str) -> None:
+        """Raise where a buffer has nothing for readers that do not unpack."""
+        entry = self.entry("buffers", buffer)
+        stands_in = entry.get("extensions", {}).get(extension, {}).get("fallback", False)
+        if stands_in or not ("uri" in entry or (buffer == 0 and self._embedded is not None)):
+            raise Damaged(f"it is compressed by {extension}: run gltfpack without -c and -cc")
 
     def image(self, index: object) -> bytes:
         entry = self.entry("images", index)
@@ -159,7 +168,9 @@ def _container(data: bytes) -> tuple[bytes, bytes | None]:
         return data, None
     if len(data) < 20:
         raise Damaged("it ends within its header")
-    total = struct.unpack_from("<I", data, 8)[0]
+    version, total = struct.unpack_from("<II", data, 4)
+    if version != 2:
+        raise Damaged(f"it is glTF {version}.0, not glTF 2.0")
     if total > len(data):
         raise Damaged(f"it is cut short: {len(data)} of {total} bytes are there")
     chunks: dict[int, bytes] = {}

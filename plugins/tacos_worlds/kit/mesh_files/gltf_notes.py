@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tacos_worlds.kit.mesh_files.gltf_buffers import Buffers
+from tacos_worlds.kit.mesh_files.gltf_buffers import Buffers, Json
 
+DRACO = "KHR_draco_mesh_compression"
 _CARRIED_OUT = {
+    DRACO,
+    "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
@@ -15,6 +18,7 @@ _CARRIED_OUT = {
     "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
+    "KHR_node_visibility",
     "KHR_texture_transform",
 }
 _EFFECTS = {
@@ -30,12 +34,10 @@ _EFFECTS = {
 UNDERSTOOD = _CARRIED_OUT | _EFFECTS.keys()
 """Extensions without which a file that requires them is still read as it is meant, or nearly so."""
 _REMEDIES = {
-    "KHR_draco_mesh_compression": "export it with Compression off (Blender: Data, Mesh), or run "
-    "`gltf-transform copy in.glb out.glb`, which unpacks it",
+    DRACO: "pip install 'tacos-framework[draco]', or export it with Compression off (Blender: Data, Mesh)",
     "EXT_meshopt_compression": "run gltfpack without -c and -cc, or `gltf-transform copy in.glb out.glb`",
     "KHR_meshopt_compression": "run gltfpack without -c and -cc, or `gltf-transform copy in.glb out.glb`",
     "KHR_texture_basisu": "export textures as PNG or JPEG: gltfpack without -tc, or toktx's source images",
-    "EXT_mesh_gpu_instancing": "export copies as nodes of their own: in gltf-transform without `instance`",
 }
 _MODES = {0: "points", 1: "lines", 2: "lines", 3: "lines"}
 
@@ -49,31 +51,40 @@ def notes_on(buffers: Buffers) -> Iterator[str]:
     """What is left out of a file that is read, and what follows for the image."""
     used = sorted({str(name) for name in buffers.header.get("extensionsUsed", [])})
     for name in used:
-        if name in _CARRIED_OUT or (name in _REMEDIES and name != "EXT_mesh_gpu_instancing"):
-            continue
-        missing = "copies of meshes are missing" if name == "EXT_mesh_gpu_instancing" else "it has no effect"
-        yield f"{name} is not carried out: {_EFFECTS.get(name, missing)}"
+        if name not in _CARRIED_OUT and name not in _REMEDIES:
+            yield f"{name} is not carried out: {_EFFECTS.get(name, 'it has no effect')}"
     primitives = [part for mesh in buffers.listed("meshes") for part in mesh.get("primitives", [])]
     modes = [_MODES[part["mode"]] for part in primitives if part.get("mode") in _MODES]
     for kind in sorted(set(modes)):
         yield f"{modes.count(kind)} sets of {kind} are left out: only triangles are drawn"
     attributes = {name for part in primitives for name in part.get("attributes", {})}
-    if "JOINTS_0" in attributes or buffers.listed("skins"):
-        yield "skinned figures stand as modelled: bones do not move them"
-    if any("targets" in part for part in primitives):
-        yield "morph targets are not carried out: shapes are those without"
     if buffers.listed("animations"):
         yield "animations are not played: all stands as at the start"
     if further := sorted(name for name in attributes if name.startswith("COLOR_") and name != "COLOR_0"):
         yield f"{', '.join(further)}: only the first set of vertex colours counts"
-    yield from _of_materials(buffers)
+    if len(scenes := buffers.listed("scenes")) > 1:
+        yield f"only the default of {len(scenes)} scenes is there"
+    if buffers.listed("cameras"):
+        yield "cameras of the file are not used: those of the study look"
+    lights = buffers.header.get("extensions", {}).get("KHR_lights_punctual", {}).get("lights", [])
+    if any(light.get("type") == "spot" for light in lights):
+        yield "spots shine as small squares of as many candela ahead, whatever their cone"
+    if any("range" in light for light in lights):
+        yield "the range of lights has no effect: light falls with the square of the distance"
+    yield from _of_materials(buffers, primitives)
 
 
-def _of_materials(buffers: Buffers) -> Iterator[str]:
+def _of_materials(buffers: Buffers, primitives: list[Json]) -> Iterator[str]:
     def named(materials: list[str]) -> str:
         return ", ".join(materials[:5]) + (f" and {len(materials) - 5} more" if len(materials) > 5 else "")
 
-    blended, mixed, glowing = [], [], []
+    blended, mixed, glowing, apart, faded = [], [], [], [], []
+    tinted = {
+        part.get("material")
+        for part in primitives
+        if "COLOR_0" in part.get("attributes", {})
+        and buffers.entry("accessors", part["attributes"]["COLOR_0"]).get("type") == "VEC4"
+    }
     for index, material in enumerate(buffers.listed("materials")):
         name = str(material.get("name", f"material {index}"))
         pbr = material.get("pbrMetallicRoughness") or {}
@@ -83,9 +94,23 @@ def _of_materials(buffers: Buffers) -> Iterator[str]:
             mixed.append(name)
         if "emissiveTexture" in material and any(material.get("emissiveFactor", (0, 0, 0))):
             glowing.append(name)
+        others = [pbr.get("metallicRoughnessTexture"), material.get("normalTexture")]
+        places = [_place(info) for info in (pbr.get("baseColorTexture"), *others) if info]
+        if any(place != places[0] for place in places):
+            apart.append(name)
+        if material.get("alphaMode", "OPAQUE") != "OPAQUE" and index in tinted:
+            faded.append(name)
+    if apart:
+        yield f"{named(apart)}: textures with coordinates of their own are drawn by those of the colours"
+    if faded:
+        yield f"{named(faded)}: opacity of vertices is not carried out"
     if blended:
         yield f"{named(blended)}: alphaMode BLEND is drawn where its texture is opaque from half on"
     if mixed:
         yield f"{named(mixed)}: roughness and metalness of a texture count by their mean"
     if glowing:
         yield f"{named(glowing)}: light of an emissive texture counts by its mean"
+
+
+def _place(texture: Json) -> tuple[object, object]:
+    return texture.get("texCoord", 0), texture.get("extensions", {}).get("KHR_texture_transform")
