@@ -71,7 +71,6 @@ class Component:
 
     @property
     def use(self) -> str:
-        """The name recipes use: ``kind.name``."""
         return f"{self.kind}.{self.name}"
 
     def missing_packages(self) -> list[str]:

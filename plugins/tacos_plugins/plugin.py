@@ -277,7 +277,6 @@ DEFAULT_FOR = {"executor.local": ("executor",), "executor.process": ("workers",)
 
 @hookimpl
 def tacos_components() -> list[Component]:
-    """The default plugins."""
     return list(_components())
 
 

@@ -26,7 +26,7 @@ class CatalogColumn:
     """``number``, ``integer`` or ``text``."""
     required: bool = False
     positive: bool = True
-    """Whether numbers must be above 0."""
+    """True if numbers must be above 0."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,6 @@ class Catalog:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of its parts."""
         return tuple(row.name for row in self.rows)
 
     def part(self, name: str) -> CatalogPart:

@@ -142,7 +142,6 @@ def _readers(plan: Plan, variable: str) -> list[str]:
 
 
 def _described(variable: Mapping[str, Any]) -> str:
-    """One design variable in a line, from its `as_data`."""
     name = variable["name"]
     unit = f" {variable['unit']}" if variable["unit"] not in ("", "1") else ""
     if variable["kind"] == "catalog":

@@ -48,7 +48,6 @@ class Pace:
 
     @property
     def done(self) -> int:
-        """How much is done."""
         return self._seen[-1][0]
 
     @done.setter

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 
 def parser() -> argparse.ArgumentParser:
-    """The command line of ``tacos-run``."""
     parser = argparse.ArgumentParser(
         prog="tacos-run",
         description="Run a recipe: design a camera in simulation, or calibrate, validate, diagnose.",
@@ -112,7 +111,6 @@ def _as_a_setting(unknown: Sequence[str]) -> str:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Entry point of ``tacos-run``."""
     taking = parser()
     if not (sys.argv[1:] if argv is None else argv):
         taking.print_help()

@@ -8,7 +8,6 @@ from typing import Any
 
 
 def summary(result: Mapping[str, Any], out: Path) -> str:
-    """Result of a run in a few lines."""
     from tacos_framework.camera.clipping import Exposed
     from tacos_framework.store import DESIGNED  # with numpy, which a faulty command does without
 

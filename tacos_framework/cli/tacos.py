@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 
 def parser(plugins: Plugins) -> argparse.ArgumentParser:
-    """The command line of ``tacos``."""
     parser = argparse.ArgumentParser(
         prog="tacos",
         description="Look around tacos-framework.",
@@ -41,7 +40,6 @@ def parser(plugins: Plugins) -> argparse.ArgumentParser:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Entry point of ``tacos``."""
     return exit_status(lambda: _main(argv))
 
 

@@ -105,7 +105,7 @@ class EffectBase:
     of_colours: ClassVar[bool] = False
     """True for an effect on colours alone, which images of one channel pass by."""
     codes: bool = False
-    """Whether files leave it coded for a display, where they were linear."""
+    """True if files leave it coded for a display, where they were linear."""
     on_view: Callable[..., Any] | None = None
     """``on_view(light, depth_m, object_id, *, geometry, context) -> (light, depth_m, object_id)`` beside
     `on_array`, for an effect on light that also moves what pixels show: all three of one rendered frame with
@@ -145,7 +145,7 @@ class EffectBase:
 
 
 def acts_after_noise(effect: type[Any]) -> bool:
-    """Whether an effect acts on noisy samples, which correlates noise, rather than on expected light."""
+    """True if an effect acts on noisy samples, which correlates noise, rather than on expected light."""
     return optional(effect, EffectBase, "after_noise") or STAGES.index(effect.stage) > STAGES.index("pixel")
 
 
@@ -158,5 +158,5 @@ def formation_order(effect: type[Any]) -> tuple[int, bool, int]:
 
 
 def moves_pixels(effect: type[Any]) -> bool:
-    """Whether an effect class does nothing but move pixels, and says from where."""
+    """True if an effect class does nothing but move pixels, and says from where."""
     return callable(optional(effect, EffectBase, "source"))

@@ -68,11 +68,11 @@ class ObservedCapture(Protocol):
 
     @property
     def is_structured(self) -> bool:
-        """Whether it shows edges or texture, rather than an even field."""
+        """True if it shows edges or texture, rather than an even field."""
 
     @property
     def own_edges(self) -> bool:
-        """Whether the expectation was read off the picture's own edges: it tells no level and no place."""
+        """True if the expectation was read off the picture's own edges: it tells no level and no place."""
 
     @property
     def coding(self) -> FileCoding | None:
@@ -156,7 +156,7 @@ class Estimate:
     negligible: float
 
     def is_seen(self, neutral: float) -> bool:
-        """Whether it surely parts from neutral, and by what matters.
+        """True if it surely parts from neutral, and by what matters.
 
         >>> Estimate("sigma", 0.008, 0.0002, 0.0007).is_seen(0.0)
         True
@@ -164,7 +164,7 @@ class Estimate:
         return abs(self.value - neutral) > max(SURE * self.standard_error, self.negligible)
 
     def is_excluded(self, neutral: float) -> bool:
-        """Whether it surely lies within what is negligible around neutral.
+        """True if it surely lies within what is negligible around neutral.
 
         >>> Estimate("sigma", 0.0002, 0.0001, 0.0007).is_excluded(0.0)
         True

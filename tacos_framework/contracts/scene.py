@@ -37,7 +37,7 @@ class SceneBase:
     """How the cameras move through its world, as in "1 m/s, shaken as on a head". Reports say it."""
 
     one_world: ClassVar[bool] = False
-    """Whether every episode is a trip through the same world, so that unseen scenes are other trips only."""
+    """True if every episode is a trip through the same world, so that unseen scenes are other trips only."""
 
     remarks: tuple[str, ...] = ()
     """Doubts about the files of its world, and statements in them that are not carried out. May open them."""

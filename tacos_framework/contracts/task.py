@@ -82,7 +82,7 @@ class Trainable(Protocol):
 
 
 def learns(task: type[Any]) -> bool:
-    """Whether a task class is `Trainable`."""
+    """True if a task class is `Trainable`."""
     return callable(getattr(task, "fit", None)) and callable(getattr(task, "initial_state", None))
 
 

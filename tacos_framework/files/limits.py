@@ -51,7 +51,6 @@ class Limits:
     """Triangles of one such file, copies in the scene counted each."""
 
     def bytes_of(self, name: str) -> int:
-        """A limit in bytes."""
         return round(getattr(self, name) * MB)
 
     def remedy(self, name: str, needed: float) -> str:

@@ -44,7 +44,6 @@ class SensorAt:
         )
 
     def expect(self, light_cd_m2: NDArray[np.float32]) -> Samples:
-        """See `tacos_framework.contracts.Sensor.expect`."""
         with calling(self.use, doing="expect"):
             expected = self.sensor.expect(light_cd_m2, camera=self.camera, exposure=self.exposure)
             return checked_samples(self.use, np.asarray(expected, np.float32), light_cd_m2)

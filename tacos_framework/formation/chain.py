@@ -77,7 +77,7 @@ class EffectChain:
 
     @property
     def codes(self) -> bool:
-        """Whether files come out coded for a display."""
+        """True if files come out coded for a display."""
         return any(optional(each.effect, EffectBase, "codes") for each in self.files)
 
     def for_channels(self, count: int) -> EffectChain:

@@ -55,7 +55,6 @@ class PlacedSensor:
     """The sensors of cameras that have their own."""
 
     def at(self, camera: str) -> Any:
-        """The sensor of a camera."""
         return self.by_camera.get(camera, self.sensor)
 
     def assuming(self, draw: Draw) -> PlacedSensor:

@@ -32,5 +32,4 @@ def fits(given: Any, taken: Any) -> bool:
 
 
 def type_name(kind: Any) -> str:
-    """Name of a type in messages."""
     return kind.__name__ if isinstance(kind, type) and get_origin(kind) is None else str(kind)

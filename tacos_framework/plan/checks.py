@@ -69,7 +69,6 @@ def declared_margins(nodes: Mapping[str, ConfiguredComponent]) -> dict[str, floa
 
 
 def scores_of(nodes: Mapping[str, ConfiguredComponent]) -> set[str]:
-    """Names of all scores that tasks of the recipe report."""
     return {f"{name}.{score}" for name, part in nodes.items() for score in getattr(part.cls, "scores", ())}
 
 

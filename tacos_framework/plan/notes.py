@@ -72,7 +72,6 @@ class DoubtedParts:
 
     @property
     def doubted(self) -> int:
-        """Number of parts in doubt."""
         return len({name for names in self.by_doubt.values() for name in names})
 
 

@@ -23,7 +23,7 @@ class Call:
     supplied: tuple[str, ...] = ()
     """What the framework can supply by keyword."""
     asked_for: bool = False
-    """Whether a method is given only the keywords it asks for, rather than all of them."""
+    """True if a method is given only the keywords it asks for, rather than all of them."""
     offered: tuple[str, ...] = ()
     """Further keywords, of which a method is given those it names among its parameters."""
 

@@ -132,7 +132,6 @@ class GuardedOptimizer:
             return state
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on from a `state`."""
         with self._part.calling("restore"):
             self._optimizer.restore(state)
 

@@ -25,7 +25,7 @@ class ScoreSpread:
 
     @property
     def full(self) -> bool:
-        """Whether it decides nothing: it is at its end, or scatters from scene to scene."""
+        """True if it decides nothing: it is at its end, or scatters from scene to scene."""
         return self.share_of_variance < FULL
 
 

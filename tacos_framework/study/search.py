@@ -273,7 +273,6 @@ class Search(SearchState):
         return {**self.as_data(), "optimizer": self.optimizer and self.optimizer.state()}
 
     def restore(self, state: Mapping[str, Any], states: dict[str, State]) -> None:
-        """Go on from a `state`."""
         self.take_up(state, states)
         if self.optimizer:
             self.optimizer.restore(state["optimizer"])

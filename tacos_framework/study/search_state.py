@@ -67,7 +67,7 @@ class SearchState:
     images: int = 0
     stopped: str | None = None
     partly_scored: bool = False
-    """Whether a candidate was scored on some of the episodes only."""
+    """True if a candidate was scored on some of the episodes only."""
     broken_in_a_row: int = 0
     failed_alike: int = 0
     common_failure: str | None = None

@@ -16,7 +16,6 @@ class LinearSensor:
     white_level_dn = 255.0
 
     def expect(self, light_cd_m2: NDArray[np.float32], *, camera: Camera, exposure: Exposure) -> Samples:
-        """See `tacos_framework.contracts.Sensor.expect`."""
         return light_cd_m2 * np.float32(30) + np.float32(self.black_level_dn)
 
     def moments(
@@ -35,7 +34,6 @@ class LinearSensor:
         rng: np.random.Generator,
         photon_scale: float = 1.0,
     ) -> Samples:
-        """See `tacos_framework.contracts.Sensor.draw`."""
         _, variance = self.moments(samples_dn, camera=camera, exposure=exposure, photon_scale=photon_scale)
         noise: Samples = np.sqrt(variance) * rng.standard_normal(samples_dn.shape, np.float32)
         return samples_dn + noise

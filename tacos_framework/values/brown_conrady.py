@@ -89,7 +89,7 @@ class BrownConrady(NamedTuple):
         return float(np.sqrt(turns.min())) if turns.size else np.inf
 
     def reaches(self, radius: float) -> bool:
-        """Whether anything is imaged as far out as that, before the image folds over.
+        """True if anything is imaged as far out as that, before the image folds over.
 
         Examples
         --------

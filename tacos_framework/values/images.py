@@ -93,7 +93,7 @@ class FrameBatch:
     sensor does not know; empty where nobody said it of any [DN/e-].
     """
     coded: bool = False
-    """Whether the files are coded for a display, by a gamma or another tone curve."""
+    """True if the files are coded for a display, by a gamma or another tone curve."""
 
     def __post_init__(self) -> None:
         if len(self.images) != len(self.capture.views):

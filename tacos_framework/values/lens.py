@@ -81,12 +81,12 @@ class Lens:
 
     @property
     def is_pinhole(self) -> bool:
-        """Whether straight lines stay straight all over the image, with no dark corner."""
+        """True if straight lines stay straight all over the image, with no dark corner."""
         return self.is_rectilinear and self.half_field_deg is None and not any(self.coefficients)
 
     @property
     def is_rectilinear(self) -> bool:
-        """Whether its image is flat, but for distortion: depth then is measured along the optical axis."""
+        """True if its image is flat, but for distortion: depth then is measured along the optical axis."""
         return self.projection == "rectilinear"
 
     @property

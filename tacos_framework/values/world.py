@@ -30,7 +30,7 @@ class Material:
     emission_cd_m2: NDArray[np.float32] = field(default_factory=lambda: np.zeros(3, np.float32))
     """(3,) float32 luminance the surface emits itself [cd/m2]."""
     unlit: bool = False
-    """Whether its colour was photographed with its light: `World.indirect_lux` alone falls on it, without
+    """True if its colour was photographed with its light: `World.indirect_lux` alone falls on it, without
     shadows, which is the same all over it.
     """
 
@@ -85,7 +85,7 @@ class Object:
     class_name: str
     """One of `World.class_names`."""
     moves: bool = field(default=False, repr=False)
-    """Whether episodes move it (`Episode.movers`): it is lit where it rests, and casts no shadow."""
+    """True if episodes move it (`Episode.movers`): it is lit where it rests, and casts no shadow."""
 
 
 @dataclass(frozen=True, eq=False)

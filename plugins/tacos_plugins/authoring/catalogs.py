@@ -43,7 +43,6 @@ WEAK = ("derived", "hobby list")
 
 
 def list_catalogs() -> str:
-    """The shipped catalogs, a line each."""
     lines = [
         f"{CAMERAS:<22} {len(camera_names()):>4} cameras  Off the shelf, to compare with and choose from"
     ]

@@ -58,13 +58,11 @@ class Gradient:
 
     @property
     def warm_up_frames(self) -> int:
-        """See `tacos_framework.contracts.Controller`."""
         return self.config.warm_up_frames
 
     def adjust(
         self, frame_dn: NDArray[np.unsignedinteger], *, exposure: Exposure, context: ImageContext
     ) -> Exposure:
-        """The exposure of the next frame."""
         config = self.config
         gamma = self.best_gamma(_smaller(signal_shares(frame_dn, context), config.metered_px))
         step = (0.5 if gamma >= 1 else 1.0) * config.gain * (1 - gamma)  # eq. 5

@@ -47,13 +47,11 @@ class MeanLevel:
 
     @property
     def warm_up_frames(self) -> int:
-        """See `tacos_framework.contracts.Controller`."""
         return self.config.warm_up_frames
 
     def adjust(
         self, frame_dn: NDArray[np.unsignedinteger], *, exposure: Exposure, context: ImageContext
     ) -> Exposure:
-        """The exposure of the next frame."""
         config = self.config
         level = max(float(signal_shares(frame_dn, context).mean()), DARKEST)
         share = 1.0 if config.lag_frames == 0 else 1 - math.exp(-1 / config.lag_frames)

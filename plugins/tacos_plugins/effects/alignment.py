@@ -108,7 +108,7 @@ def aligned(
 
 
 def _is_a_view(matrix: Picture) -> bool:
-    """Whether an affine map squeezes no direction away: along a single edge any map correlates."""
+    """True if an affine map squeezes no direction away: along a single edge any map correlates."""
     squeezed = np.linalg.svd(matrix[:, :2], compute_uv=False)
     return bool(squeezed.max() < FARTHEST_SCALE and squeezed.min() > 1 / FARTHEST_SCALE)
 

@@ -12,6 +12,7 @@ from pydantic import model_validator
 
 from tacos_framework import Captures, ImageContext, ImageGeometry, Settings, ShownBy, Stage, setting
 from tacos_framework.camera import exposure_per_luminance, luminance
+from tacos_plugins.effects.samples import Samples
 from tacos_plugins.effects.settling import LEAST_CHANGE, means_dn, sequences, settling, settling_of
 from tacos_plugins.effects.shown_by import SEQUENCE
 
@@ -108,13 +109,8 @@ class AutoExposure:
             yield {"first": first, "lag_frames": lag_frames}
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         """Light, exposed by its metering; a target needs it in cd/m2, and the context's f-number."""
         config = self.config
         if config.target_mlx_s is None and config.strength == 0 and config.first == 1:

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tacos_framework import (
     Captures,
@@ -18,6 +17,7 @@ from tacos_framework import (
     Stage,
     setting,
 )
+from tacos_plugins.effects.samples import Samples
 from tacos_plugins.effects.settling import LEAST_CHANGE, means_dn, sequences, settling, settling_of
 from tacos_plugins.effects.shown_by import SEQUENCE
 
@@ -69,13 +69,8 @@ class AutoWhiteBalance:
             yield {"red_first": red, "blue_first": blue, "lag_frames": clearer}
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         """The samples with the gains of their frames; goes on from the frame before."""
         config = self.config
         if config.red_first == 1 and config.blue_first == 1:

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tacos_framework import (
     Captures,
@@ -22,7 +21,7 @@ from tacos_framework import (
     setting,
 )
 from tacos_plugins.effects import closed_forms, observations
-from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import Moments, Samples
 from tacos_plugins.effects.shown_by import DARK
 
 
@@ -87,23 +86,11 @@ class BlackLevel:
             yield {"offset_dn": float(shortest.real_dn.mean()) - shortest.context.black_level_dn}
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """The samples with the offset."""
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         return signal + self.config.offset_dn if self.config.offset_dn else signal
 
     def moments(
-        self,
-        mean_dn: NDArray[np.floating],
-        variance_dn2: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
+        self, mean_dn: Samples, variance_dn2: Samples, *, geometry: ImageGeometry, context: ImageContext
     ) -> Moments:
-        """Means with the offset."""
         return mean_dn + self.config.offset_dn, variance_dn2

@@ -171,7 +171,7 @@ def neighbour_correlation(captures: Captures, *, diagonal: bool = False) -> Meas
 
 
 def is_white(captures: Captures) -> bool:
-    """Whether the noise of neighbours is surely independent, as nothing leaves it that averages pixels."""
+    """True if the noise of neighbours is surely independent, as nothing leaves it that averages pixels."""
     found = neighbour_correlation(captures)
     return found is not None and abs(found.value) + SURE * found.standard_error < WHITE
 

@@ -20,7 +20,7 @@ from tacos_framework import (
     lit,
     setting,
 )
-from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import Moments, Samples
 from tacos_plugins.effects.shown_by import COLOURS
 
 Row = tuple[float, float, float]
@@ -88,14 +88,8 @@ class ColourMatrix:
             yield {"matrix": widest[1].tolist()}
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """The samples, colours mixed."""
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         if self.config.matrix == IDENTITY:
             return signal
         _need_colour(signal.shape[-1])
@@ -104,12 +98,7 @@ class ColourMatrix:
         return mixed
 
     def moments(
-        self,
-        mean_dn: NDArray[np.floating],
-        variance_dn2: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
+        self, mean_dn: Samples, variance_dn2: Samples, *, geometry: ImageGeometry, context: ImageContext
     ) -> Moments:
         """Moments of mixed channels, whose noises were independent."""
         if self.config.matrix == IDENTITY:

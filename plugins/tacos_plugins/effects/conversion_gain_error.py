@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tacos_framework import ImageContext, ImageGeometry, Settings, ShownBy, Stage, setting
+from tacos_plugins.effects.samples import Samples
 from tacos_plugins.effects.shown_by import FLAT
 
 
@@ -54,12 +54,7 @@ class ConversionGainError:
         return self.config.scale
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         """The samples themselves: only the noise changes."""
         return signal

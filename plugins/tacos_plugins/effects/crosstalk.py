@@ -20,7 +20,7 @@ from tacos_framework import (
 )
 from tacos_plugins.effects import closed_forms
 from tacos_plugins.effects.correlation import correlate
-from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import Moments, Samples
 from tacos_plugins.effects.shown_by import REPEATED_FLAT
 
 _MOST = 1 / 9
@@ -91,23 +91,13 @@ class Crosstalk:
             yield Estimate("corners", float(np.clip(ratio, 0, 1)), error, negligible=0.2)
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         """The samples, each mixed with its neighbours."""
         return correlate(signal, self._kernel(geometry.binning)) if self.config.share else signal
 
     def moments(
-        self,
-        mean_dn: NDArray[np.floating],
-        variance_dn2: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
+        self, mean_dn: Samples, variance_dn2: Samples, *, geometry: ImageGeometry, context: ImageContext
     ) -> Moments:
         """Moments of noise that was independent; next to the edges the variance is a little larger."""
         if self.config.share == 0:

@@ -24,7 +24,7 @@ from tacos_framework import (
 )
 from tacos_plugins.effects.darks import SteadyDark, steady_darks
 from tacos_plugins.effects.fixed_pattern import in_image
-from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import Moments, Samples
 from tacos_plugins.effects.shown_by import DARKS_OF_TWO_TIMES
 
 _MOST_HIDDEN = 3.0
@@ -114,25 +114,14 @@ class DarkCurrent:
                 yield {"rate_dn_s": 0.0, "hot_share": share, "hot_rate_dn_s": rate_dn_s}
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """The dark signal added."""
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         if self.config.rate_dn_s == 0 and self.config.hot_share == 0:
             return signal
         return signal + self._dark_dn(geometry, context, signal.shape[-1]).astype(signal.dtype)
 
     def moments(
-        self,
-        mean_dn: NDArray[np.floating],
-        variance_dn2: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
+        self, mean_dn: Samples, variance_dn2: Samples, *, geometry: ImageGeometry, context: ImageContext
     ) -> Moments:
         """Means with the dark signal; its noise is added with that of the light."""
         if self.config.rate_dn_s == 0 and self.config.hot_share == 0:

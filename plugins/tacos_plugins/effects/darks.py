@@ -67,7 +67,7 @@ class SteadyDark:
 
     @property
     def is_cut_off(self) -> bool:
-        """Whether most pixels stand at the lower end of the codes, noise and offsets below it unseen."""
+        """True if most pixels stand at the lower end of the codes, noise and offsets below it unseen."""
         return bool(np.mean(self.capture.real_dn <= 0) > 0.5)
 
 

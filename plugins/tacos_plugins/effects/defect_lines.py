@@ -24,7 +24,7 @@ from tacos_framework import (
 from tacos_plugins.effects import observations
 from tacos_plugins.effects.fixed_pattern import in_image
 from tacos_plugins.effects.line_defects import bad_lines
-from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import Moments, Samples
 from tacos_plugins.effects.shown_by import EVEN_FIELD
 
 
@@ -91,14 +91,8 @@ class DefectLines:
         yield from bad_lines(captures)
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """The samples with bad lines."""
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         bad = self._share_of_bad(geometry)
         if bad is None:
             return signal
@@ -107,12 +101,7 @@ class DefectLines:
         return signal + bad * signal.dtype.type(self.config.offset_dn)
 
     def moments(
-        self,
-        mean_dn: NDArray[np.floating],
-        variance_dn2: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
+        self, mean_dn: Samples, variance_dn2: Samples, *, geometry: ImageGeometry, context: ImageContext
     ) -> Moments:
         """Means with bad lines; the noise that is drawn for them follows the samples."""
         bad = self._share_of_bad(geometry)

@@ -27,6 +27,7 @@ from tacos_plugins.effects.blur import blur, disc_transfer, kernel_of
 from tacos_plugins.effects.depth_of_field import blur_by_depth, signed_radius
 from tacos_plugins.effects.disc import disc_kernel
 from tacos_plugins.effects.disc_radius import disc_radius_px
+from tacos_plugins.effects.samples import Samples
 from tacos_plugins.effects.shown_by import EDGES
 
 LAMP, LAMPS_SHARE = 4.0, 0.01
@@ -114,13 +115,8 @@ class Defocus:
             yield {"radius_px": float(median(radii))}
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         """Light out of focus; `focus_m` needs the context's depth and f-number."""
         c = self.config
         if c.focus_m is not None:

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tacos_framework import ContextMissing, ImageContext, ImageGeometry, Settings, Stage, setting
 from tacos_plugins.effects.mosaic import METHODS, mosaic
+from tacos_plugins.effects.samples import Samples
 
 
 class Demosaic:
@@ -53,13 +53,8 @@ class Demosaic:
         self.config = config
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         """The samples, reconstructed from a mosaic of them."""
         if self.config.method == "none" or geometry.simulated_binning > 1:
             return signal

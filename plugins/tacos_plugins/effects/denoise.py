@@ -21,6 +21,7 @@ from tacos_framework import (
     setting,
 )
 from tacos_plugins.effects import closed_forms
+from tacos_plugins.effects.samples import Samples
 from tacos_plugins.effects.shown_by import REPEATED_FLAT
 
 SIZE_PX = 5
@@ -81,14 +82,8 @@ class Denoise:
             yield Estimate("strength", 0.0, 0.0, negligible=0.01)
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """The samples with less noise."""
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         if self.config.strength == 0:
             return signal
         smooth = np.empty_like(signal)

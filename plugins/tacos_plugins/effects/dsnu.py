@@ -22,7 +22,7 @@ from tacos_framework import (
 from tacos_plugins.effects import closed_forms, observations
 from tacos_plugins.effects.darks import steady_darks
 from tacos_plugins.effects.fixed_pattern import PatternSettings, column_pattern, pixel_pattern
-from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import Moments, Samples
 from tacos_plugins.effects.shown_by import DARK, REPEATED_FLAT
 
 _BRIGHT_COLUMN = 0.25
@@ -131,25 +131,14 @@ class Dsnu:
                 yield {"sigma_dn": dark.lowest_dn / _edge(dark.hot_dn.size, pattern)[0]}
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """Each photosite with its own offset."""
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         if self.config.sigma_dn == 0 and self.config.column_sigma_dn == 0:
             return signal
         return signal + self._offset(geometry, signal.shape[-1]).astype(signal.dtype, copy=False)
 
     def moments(
-        self,
-        mean_dn: NDArray[np.floating],
-        variance_dn2: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
+        self, mean_dn: Samples, variance_dn2: Samples, *, geometry: ImageGeometry, context: ImageContext
     ) -> Moments:
         """Means with the pattern; temporal variance is not touched."""
         if self.config.sigma_dn == 0 and self.config.column_sigma_dn == 0:

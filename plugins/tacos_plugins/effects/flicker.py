@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import Captures, ImageContext, ImageGeometry, Settings, ShownBy, Stage, lit, setting
+from tacos_plugins.effects.samples import Samples
 from tacos_plugins.effects.shown_by import LAMPS
 
 
@@ -54,13 +55,8 @@ class Flicker:
             yield {"depth": max(depths[period], 0.005), "period_rows": period}
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         """Light times the wave, at a random phase in each frame."""
         if self.config.depth == 0.0:
             return signal

@@ -19,6 +19,7 @@ from tacos_framework import (
     setting,
 )
 from tacos_plugins.effects import closed_forms
+from tacos_plugins.effects.samples import Samples
 from tacos_plugins.effects.shown_by import FLAT
 
 
@@ -58,14 +59,8 @@ class IlluminationGradient:
             yield Estimate("gy", *found.gy, negligible=0.004)
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """Light times the plane."""
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         if not (self.config.gx or self.config.gy):
             return signal
         plane = light_plane(geometry, self.config.gx, self.config.gy)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import Captures, ImageContext, ImageGeometry, Settings, Stage, setting
+from tacos_plugins.effects.samples import Samples
 
 _SAMPLING = {
     "4:4:4": cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444,
@@ -78,14 +79,8 @@ class Jpeg:
             yield {"quality": quality, "subsampling": subsampling, **of_colours}
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """The samples, coded and decoded."""
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         if self.config.quality == 100:
             return signal
         to_bytes = 255 / context.white_level_dn

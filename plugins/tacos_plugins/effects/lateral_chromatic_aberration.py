@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tacos_framework import ImageContext, ImageGeometry, Settings, Stage, setting
 from tacos_framework.camera import Places, resample
+from tacos_plugins.effects.samples import Samples
 
 _LARGEST = 0.05
 _ROUNDS = 6
@@ -48,13 +48,8 @@ class LateralChromaticAberration:
         self.config = config
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         """Light with red and blue magnified; mono light as it was."""
         c = self.config
         moved = {0: (c.red, c.red_r2), 2: (c.blue, c.blue_r2)}

@@ -24,6 +24,7 @@ from tacos_framework import (
 from tacos_plugins.effects import closed_forms
 from tacos_plugins.effects.blur import airy_transfer, blur, gaussian_kernel, kernel_of
 from tacos_plugins.effects.edge_spread import edge_variances_px2
+from tacos_plugins.effects.samples import Samples
 from tacos_plugins.effects.shown_by import EDGES
 
 _STEP = 1.15  # from each blur to the next
@@ -81,13 +82,8 @@ class LensBlur:
             yield Estimate("sigma_px", *closed_forms.root(spread), negligible=0.2)
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         """Light blurred; diffraction needs the context's f-number."""
         c = self.config
         if c.wavelength_nm is not None:

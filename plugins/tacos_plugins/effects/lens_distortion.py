@@ -160,7 +160,7 @@ class LensDistortion:
 
 
 def _images_all(lens: BrownConrady, capture: ObservedCapture) -> bool:
-    """Whether a lens reaches the points of a capture's board: powers may turn back before."""
+    """True if a lens reaches the points of a capture's board: powers may turn back before."""
     if capture.corners is None:
         return True
     offsets = (capture.corners[1] - capture.geometry.centre_px) / capture.geometry.focal_length_px

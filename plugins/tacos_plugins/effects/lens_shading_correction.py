@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import ImageContext, ImageGeometry, Settings, ShownBy, Stage, setting
-from tacos_plugins.effects.pointwise import Moments
 from tacos_plugins.effects.radial import darkens, even_polynomial
+from tacos_plugins.effects.samples import Moments, Samples
 from tacos_plugins.effects.shown_by import FLAT
 
 
@@ -46,7 +46,7 @@ class LensShadingCorrection:
 
     @property
     def plausible(self) -> bool:
-        """Whether the gain rises from the centre, or at least does not fall: it makes up for dark corners."""
+        """True if the gain rises from the centre, or at least does not fall: it makes up for dark corners."""
         return not darkens(self.config.k1, self.config.k2)
 
     def _gain(self, geometry: ImageGeometry) -> NDArray[np.float64]:
@@ -54,26 +54,15 @@ class LensShadingCorrection:
         return even_polynomial(geometry.radius, self.config.k1, self.config.k2)[..., None]
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """The samples with the gain map."""
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         if self.config.k1 == 0 and self.config.k2 == 0:
             return signal
         gain = self._gain(geometry).astype(signal.dtype)
         return (signal - context.black_level_dn) * gain + context.black_level_dn
 
     def moments(
-        self,
-        mean_dn: NDArray[np.floating],
-        variance_dn2: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
+        self, mean_dn: Samples, variance_dn2: Samples, *, geometry: ImageGeometry, context: ImageContext
     ) -> Moments:
         """Means with the gain, variances with its square."""
         gain = self._gain(geometry)

@@ -128,7 +128,7 @@ def _offsets(pieces: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _is_dead(capture: ObservedCapture, offsets: NDArray[np.float64]) -> bool:
-    """Whether lines lack all of the signal of a lit capture."""
+    """True if lines lack all of the signal of a lit capture."""
     assert capture.expected_dn is not None
     if not offsets.size:
         return False

@@ -13,6 +13,7 @@ from tacos_framework import Camera, ImageContext, ImageGeometry, Rig, Settings, 
 from tacos_framework.camera import TYPICAL_ROW_TIME_US
 from tacos_plugins.effects.image_paths import ImageMotion, RowAfter
 from tacos_plugins.effects.path_average import Shown, along_paths
+from tacos_plugins.effects.samples import Samples
 from tacos_plugins.effects.shown_by import MOTION
 
 _NOWHERE_PX = 1e-3
@@ -75,7 +76,6 @@ class Motion:
         self.config = config
 
     def lacks(self, rig: Rig) -> str | None:
-        """See `tacos_framework.contracts.EffectBase.lacks`."""
         if self.config.unknown == "assume" or not self.config.amount:
             return None
         unknown = {_named(each): self._unknown_of(each) for each in rig.cameras}
@@ -83,7 +83,6 @@ class Motion:
         return f"{' and '.join(said)} is unknown" if said else None
 
     def origins(self, camera: Camera) -> Mapping[str, str]:
-        """See `tacos_framework.contracts.EffectBase.origins`."""
         if not self.config.amount:
             return {}
         shutter, unknown = self._shutter(camera.shutter), self._unknown_of(camera)
@@ -96,13 +95,8 @@ class Motion:
         return said
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         """Light averaged along the path of each pixel."""
         frames = [self._moved(each, geometry, context, i) for i, each in enumerate(signal)]
         if not any(frames):

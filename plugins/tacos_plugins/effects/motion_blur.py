@@ -22,6 +22,7 @@ from tacos_framework import (
 )
 from tacos_plugins.effects import observations
 from tacos_plugins.effects.blur import blur, kernel_of, line_transfer
+from tacos_plugins.effects.samples import Samples
 from tacos_plugins.effects.shown_by import EDGES_OR_MOTION
 
 _DIRECTIONAL = 1.5
@@ -103,14 +104,8 @@ class MotionBlur:
                 yield {"length_px": length, "angle_deg": steepest[1]}
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """Light smeared along the line."""
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         length_px = self.config.length_px
         if length_px == 0.0:
             return signal

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from tacos_framework import ImageContext, ImageGeometry, LookAlike, Settings, ShownBy, Stage, setting
 from tacos_plugins.effects import observations
-from tacos_plugins.effects.pointwise import Moments, moments_behind
+from tacos_plugins.effects.pointwise import moments_behind
+from tacos_plugins.effects.samples import Moments, Samples
 from tacos_plugins.effects.shown_by import BRACKET
 
 
@@ -60,25 +61,14 @@ class Nonlinearity:
         self.config = config
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """The samples on the bent response."""
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         if self.config.a2 == 0 and self.config.a3 == 0:
             return signal
         return self._bent(signal, context)
 
     def moments(
-        self,
-        mean_dn: NDArray[np.floating],
-        variance_dn2: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
+        self, mean_dn: Samples, variance_dn2: Samples, *, geometry: ImageGeometry, context: ImageContext
     ) -> Moments:
         """Moments of Gaussian noise on the bent response."""
         if self.config.a2 == 0 and self.config.a3 == 0:

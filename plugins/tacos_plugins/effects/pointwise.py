@@ -7,11 +7,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_plugins.effects.samples import Moments
+
 _NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(15)
 _WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
-
-Moments = tuple[NDArray[np.floating], NDArray[np.floating]]
-"""Mean [DN] and variance [DN^2]."""
 
 
 def moments_behind(

@@ -20,7 +20,7 @@ from tacos_framework import (
 )
 from tacos_plugins.effects import closed_forms, observations
 from tacos_plugins.effects.fixed_pattern import PatternSettings, pixel_pattern
-from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import Moments, Samples
 from tacos_plugins.effects.shown_by import FLAT, REPEATED_FLAT
 
 
@@ -74,25 +74,14 @@ class Prnu:
             yield Estimate("sigma", *closed_forms.root(found), negligible=0.001)
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """Each photosite with its own response."""
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         if self.config.sigma == 0:
             return signal
         return _scaled(signal, self._response(geometry, signal.shape[-1]), context.black_level_dn)
 
     def moments(
-        self,
-        mean_dn: NDArray[np.floating],
-        variance_dn2: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
+        self, mean_dn: Samples, variance_dn2: Samples, *, geometry: ImageGeometry, context: ImageContext
     ) -> Moments:
         """Means with the pattern; variance that is already there goes with its square."""
         if self.config.sigma == 0:

@@ -7,10 +7,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tacos_framework import ImageContext, ImageGeometry, Settings, Stage, physical, setting
-from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import Moments, Samples
 
 
 class Quantisation:
@@ -56,14 +55,8 @@ class Quantisation:
         self.config = config
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """The samples, rounded."""
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         step = self.config.step_dn
         down = self.config.rounding == "floor"
         if step <= 1 and not down:
@@ -78,12 +71,7 @@ class Quantisation:
         return np.rint(mean / coarse) * coarse if coarse > 1 else mean
 
     def moments(
-        self,
-        mean_dn: NDArray[np.floating],
-        variance_dn2: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
+        self, mean_dn: Samples, variance_dn2: Samples, *, geometry: ImageGeometry, context: ImageContext
     ) -> Moments:
         """Moments in excess of the file's own rounding, which adds 1/12 DN^2."""
         step = self.config.step_dn

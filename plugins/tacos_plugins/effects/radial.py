@@ -30,10 +30,10 @@ def even_polynomial(radius: NDArray[np.float64], *coefficients: float) -> NDArra
 
 
 def brightens(*coefficients: float) -> bool:
-    """Whether the polynomial rises above its value at the centre anywhere, as far as that matters."""
+    """True if the polynomial rises above its value at the centre anywhere, as far as that matters."""
     return bool(np.max(even_polynomial(FIELD_RADIUS, *coefficients)) > 1 + AS_GOOD_AS_LEVEL)
 
 
 def darkens(*coefficients: float) -> bool:
-    """Whether the polynomial falls below its value at the centre anywhere, as far as that matters."""
+    """True if the polynomial falls below its value at the centre anywhere, as far as that matters."""
     return bool(np.min(even_polynomial(FIELD_RADIUS, *coefficients)) < 1 - AS_GOOD_AS_LEVEL)

@@ -6,10 +6,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tacos_framework import ImageContext, ImageGeometry, Settings, Stage, physical, setting
-from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import Moments, Samples
 
 _HEAVIEST_TAIL = 0.245
 """Of those with a kurtosis that is taken for one without [1]."""
@@ -59,14 +58,8 @@ class ReadNoise:
         self.config = config
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """The samples with the noise."""
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         if self.config.sigma_dn == 0:
             return signal
         noise = rng.standard_normal(signal.shape, np.float32)
@@ -78,14 +71,8 @@ class ReadNoise:
         return signal + noise
 
     def moments(
-        self,
-        mean_dn: NDArray[np.floating],
-        variance_dn2: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
+        self, mean_dn: Samples, variance_dn2: Samples, *, geometry: ImageGeometry, context: ImageContext
     ) -> Moments:
-        """Variances with that of the noise."""
         return mean_dn, variance_dn2 + self.config.sigma_dn**2
 
 

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tacos_framework import (
     Captures,
@@ -20,7 +19,7 @@ from tacos_framework import (
     setting,
 )
 from tacos_plugins.effects import closed_forms
-from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import Moments, Samples
 from tacos_plugins.effects.shown_by import DARK
 
 
@@ -81,14 +80,8 @@ class RowNoise:
                 yield Estimate(name, *closed_forms.root(found), negligible=0.05)
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """The samples with the offsets."""
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         if self.config.sigma_dn == 0 and self.config.column_sigma_dn == 0:
             return signal
         frames, height, width, _ = signal.shape
@@ -99,12 +92,7 @@ class RowNoise:
         return signal + (rows + columns)
 
     def moments(
-        self,
-        mean_dn: NDArray[np.floating],
-        variance_dn2: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
+        self, mean_dn: Samples, variance_dn2: Samples, *, geometry: ImageGeometry, context: ImageContext
     ) -> Moments:
         """Variances of a sample with those of the offsets."""
         return mean_dn, variance_dn2 + self.config.sigma_dn**2 + self.config.column_sigma_dn**2

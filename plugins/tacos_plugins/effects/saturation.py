@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import ndtr
 
 from tacos_framework import Captures, ImageContext, ImageGeometry, Settings, ShownBy, Stage, physical, setting
-from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import Moments, Samples
 from tacos_plugins.effects.shown_by import BRACKET
 
 
@@ -65,26 +65,15 @@ class Saturation:
             yield {"level_dn": level}
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """The samples, at most at the level."""
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         level = self.config.level_dn
         if level is None or level >= context.white_level_dn:
             return signal
         return np.minimum(signal, signal.dtype.type(level))
 
     def moments(
-        self,
-        mean_dn: NDArray[np.floating],
-        variance_dn2: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
+        self, mean_dn: Samples, variance_dn2: Samples, *, geometry: ImageGeometry, context: ImageContext
     ) -> Moments:
         """Moments of a Gaussian that is cut off."""
         level = self.config.level_dn

@@ -76,7 +76,7 @@ def sequences(captures: Captures) -> list[ObservedCapture]:
 
 
 def a_drift_could_show(captures: Captures) -> bool:
-    """Whether a sequence is long enough to show one."""
+    """True if a sequence is long enough to show one."""
     return bool(sequences(captures))
 
 

@@ -22,7 +22,7 @@ from tacos_framework import (
 from tacos_plugins.effects import closed_forms
 from tacos_plugins.effects.blur import gaussian_transfer, kernel_of
 from tacos_plugins.effects.correlation import correlate
-from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import Moments, Samples
 from tacos_plugins.effects.shown_by import EDGES
 
 _REACH_SIGMAS = 4.0
@@ -76,23 +76,12 @@ class Sharpening:
             yield Estimate("amount", 0.0, 0.0, negligible=0.01)
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """The samples, sharpened."""
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         return correlate(signal, self._kernel) if self.config.amount else signal
 
     def moments(
-        self,
-        mean_dn: NDArray[np.floating],
-        variance_dn2: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
+        self, mean_dn: Samples, variance_dn2: Samples, *, geometry: ImageGeometry, context: ImageContext
     ) -> Moments:
         """Moments of noise that was independent; next to the edges the variance is a little larger."""
         if self.config.amount == 0:

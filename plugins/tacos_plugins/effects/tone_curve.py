@@ -22,7 +22,8 @@ from tacos_framework import (
     setting,
 )
 from tacos_plugins.effects import observations
-from tacos_plugins.effects.pointwise import Moments, moments_behind
+from tacos_plugins.effects.pointwise import moments_behind
+from tacos_plugins.effects.samples import Moments, Samples
 from tacos_plugins.effects.shown_by import BRACKET
 
 _STEPS = 4096  # of the table that stands for the cubic
@@ -125,7 +126,7 @@ class ToneCurve:
 
     @property
     def plausible(self) -> bool:
-        """Whether cameras have such curves: one that is level before full scale has been cut off."""
+        """True if cameras have such curves: one that is level before full scale has been cut off."""
         if self.config.knots is None:
             return True
         code = np.array(self.config.knots)[:, 1]
@@ -133,7 +134,7 @@ class ToneCurve:
 
     @property
     def codes(self) -> bool:
-        """Whether it codes files for a display: middle grey, 0.18, comes out above 0.3."""
+        """True if it codes files for a display: middle grey, 0.18, comes out above 0.3."""
         if not self._bends:
             return False
         grey = np.array([_MIDDLE_GREY])
@@ -170,23 +171,12 @@ class ToneCurve:
         return np.take(table, step) + beyond * np.take(np.diff(table), step)
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """The samples on the curve."""
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         return self._bent(signal, context) if self._bends else signal
 
     def moments(
-        self,
-        mean_dn: NDArray[np.floating],
-        variance_dn2: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
+        self, mean_dn: Samples, variance_dn2: Samples, *, geometry: ImageGeometry, context: ImageContext
     ) -> Moments:
         """Moments of Gaussian noise on the curve."""
         if not self._bends:

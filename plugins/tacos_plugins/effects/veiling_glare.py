@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import ImageContext, ImageGeometry, Settings, ShownBy, Stage, setting
+from tacos_plugins.effects.samples import Samples
 from tacos_plugins.effects.shown_by import LEVELS
 
 _COARSE_PX = 64
@@ -53,14 +54,8 @@ class VeilingGlare:
         self.config = config
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """Light with a share of it spread out."""
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         share = self.config.share
         if share == 0.0:
             return signal

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tacos_framework import (
     Captures,
@@ -21,6 +20,7 @@ from tacos_framework import (
 )
 from tacos_plugins.effects import closed_forms, observations
 from tacos_plugins.effects.radial import brightens, even_polynomial
+from tacos_plugins.effects.samples import Samples
 from tacos_plugins.effects.shown_by import FLAT
 
 
@@ -72,7 +72,7 @@ class Vignetting:
 
     @property
     def plausible(self) -> bool:
-        """Whether light falls off, or at least does not rise: no lens brightens its corners."""
+        """True if light falls off, or at least does not rise: no lens brightens its corners."""
         return not brightens(self.config.k1, self.config.k2, self.config.k3)
 
     @classmethod
@@ -83,14 +83,8 @@ class Vignetting:
             yield Estimate("k2", *found.k2, negligible=0.004)
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """Light times the fall-off."""
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         k1, k2, k3 = self.config.k1, self.config.k2, self.config.k3
         if not any((k1, k2, k3)):
             return signal

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tacos_framework import ContextMissing, ImageContext, ImageGeometry, Settings, ShownBy, Stage, setting
 from tacos_plugins.effects.mosaic import mosaic_channels
-from tacos_plugins.effects.pointwise import Moments
+from tacos_plugins.effects.samples import Moments, Samples
 from tacos_plugins.effects.shown_by import COLOURS
 
 
@@ -51,26 +51,15 @@ class WhiteBalance:
         return gains[mosaic_channels(context.cfa, shape[1], shape[2])][..., None]
 
     def on_array(
-        self,
-        signal: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
-        rng: np.random.Generator,
-    ) -> NDArray[np.floating]:
-        """The samples with the gains."""
+        self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
+    ) -> Samples:
         if self.config.red == 1 and self.config.blue == 1:
             return signal
         gain = self._gain(signal.shape, context).astype(signal.dtype)
         return (signal - context.black_level_dn) * gain + context.black_level_dn
 
     def moments(
-        self,
-        mean_dn: NDArray[np.floating],
-        variance_dn2: NDArray[np.floating],
-        *,
-        geometry: ImageGeometry,
-        context: ImageContext,
+        self, mean_dn: Samples, variance_dn2: Samples, *, geometry: ImageGeometry, context: ImageContext
     ) -> Moments:
         """Means with the gains, variances with their squares."""
         if self.config.red == 1 and self.config.blue == 1:

@@ -60,7 +60,6 @@ class Figure:
     reason: str = ""
 
     def as_data(self) -> dict[str, Any]:
-        """For ``result.json``."""
         told = {"reason": self.reason} if self.reason else {}
         return {"value": self.value, "ci": self.ci and list(self.ci), "unit": self.unit, **told}
 

@@ -41,5 +41,4 @@ def sensor_settings(sheets: Sequence[DataSheet]) -> tuple[dict[str, object], tup
 
 
 def sensor_yaml(settings: Mapping[str, object], missing: Sequence[str]) -> str:
-    """The text of ``sensor.yaml``."""
     return _HEADING + to_yaml(dict(settings)) + "".join(f"# not measured: {text}\n" for text in missing)

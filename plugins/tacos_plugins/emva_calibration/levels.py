@@ -64,13 +64,13 @@ class Selection:
     saturation: int | None
     """Index of the saturated level; None where no level saturates."""
     darks_censored: bool
-    """Whether darkness is cut off at 0."""
+    """True if darkness is cut off at 0."""
     darks_fine: bool
-    """Whether darkness varies by less than rounding shows."""
+    """True if darkness varies by less than rounding shows."""
 
     @property
     def free_offset(self) -> bool:
-        """Whether darkness cannot be subtracted, and lines have an offset of their own."""
+        """True if darkness cannot be subtracted, and lines have an offset of their own."""
         return self.darks_censored or self.darks_fine
 
 

@@ -41,7 +41,7 @@ class PoolWorker:
 
     @property
     def idle(self) -> bool:
-        """Whether it waits for a job."""
+        """True if it waits for a job."""
         return self.ready and self.task is None
 
     def took(self, task: Task, needs: Affinity, anywhere: Collection[Affinity]) -> None:

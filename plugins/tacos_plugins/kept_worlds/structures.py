@@ -84,5 +84,5 @@ def put_together(plain: Any, arrays: Sequence[Array], classes: Sequence[type[Any
 
 
 def _is_transposed(array: Array) -> bool:
-    """Whether it lies in memory column by column: the order of sums, and so their bits, follows it."""
+    """True if it lies in memory column by column: the order of sums, and so their bits, follows it."""
     return bool(array.flags.f_contiguous and not array.flags.c_contiguous)

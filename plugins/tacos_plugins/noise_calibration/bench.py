@@ -22,7 +22,6 @@ class CameraSetting(Settings):
     f_number: float = setting(2.0, help="Focal length over aperture.", gt=0)
 
     def as_exposure(self) -> Exposure:
-        """For renderers and sensors."""
         return Exposure(self.exposure_ms * 1e-3, self.f_number, self.gain_db)
 
     def __str__(self) -> str:

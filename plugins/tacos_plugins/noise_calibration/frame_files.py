@@ -31,7 +31,6 @@ class FrameStack:
 
     @property
     def frames(self) -> int:
-        """How many there are."""
         return len(next(iter(self.planes.values()))[0])
 
     @property

@@ -46,7 +46,6 @@ class Measured:
         )
 
     def as_data(self) -> dict[str, Any]:
-        """For ``result.json``."""
         fit = self.fit
         return {
             "photon_dn": {"value": fit.photon_dn, "ci": list(fit.photon_ci), "unit": "DN"},

@@ -222,7 +222,7 @@ class CmaEs:
             self._restart(None)
 
     def _is_narrow(self) -> bool:
-        """Whether going on finds nothing else: genes at their margin or at a point, or nothing new."""
+        """True if going on finds nothing else: genes at their margin or at a point, or nothing new."""
         if not self._has_continuous:
             return self._barren >= BARREN_GENERATIONS // 5
         widths = self._strategy.stds[: self._cube.dimension]

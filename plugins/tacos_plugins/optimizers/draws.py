@@ -25,7 +25,6 @@ class Draws(ABC):
         self._begin()
 
     def _begin(self) -> None:
-        """Draw the first batch."""
         self._evaluated = 0
         self._asked = self._next()
 
@@ -38,11 +37,9 @@ class Draws(ABC):
 
     @property
     def expected_candidates(self) -> int:
-        """All evaluations."""
         return self._evaluations
 
     def ask(self) -> list[Candidate]:
-        """The next batch; the same one until it is evaluated."""
         return list(self._asked)
 
     def tell(self, evaluated: Sequence[Evaluated]) -> None:

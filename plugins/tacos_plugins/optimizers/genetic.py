@@ -127,7 +127,6 @@ class Genetic:
 
     @property
     def expected_candidates(self) -> int:
-        """All generations of the whole population."""
         return self.config.population * self.config.generations
 
     def ask(self) -> list[Candidate]:
@@ -165,7 +164,6 @@ class Genetic:
         }
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on from a `state`."""
         self._generations_observed = state["generations_observed"]
         self._population = [self._space.decode(genes) for genes in state["population"]]
         self._rng.bit_generator.state = state["rng"]

@@ -131,11 +131,9 @@ class OptunaSearch:
 
     @property
     def expected_candidates(self) -> int:
-        """All evaluations."""
         return self.config.evaluations
 
     def ask(self) -> list[Candidate]:
-        """The next batch; the same one until it is evaluated."""
         if not self._asked:
             rng = np.random.default_rng(self._round_seed)
             count = min(self.config.batch, self.config.evaluations - self._evaluated)
@@ -220,7 +218,6 @@ class OptunaSearch:
         }
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on from a `state`."""
         self._begin(state["observed"])
         self._round_seed = state["round_seed"]
         self._rng.bit_generator.state = state["rng"]

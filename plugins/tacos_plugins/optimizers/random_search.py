@@ -52,7 +52,6 @@ class RandomSearch(Draws):
         }
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on from a `state`."""
         self._evaluated = state["evaluated"]
         self._asked = [self._space.decode(genes) for genes in state["asked"]]
         self._rng.bit_generator.state = state["rng"]

@@ -61,7 +61,6 @@ class Sobol(Draws):
         return {"scrambling": self._scrambling, "evaluated": self._evaluated}
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on from a `state`."""
         self._scramble(state["scrambling"])
         self._begin()
         while self._evaluated < state["evaluated"]:

@@ -32,7 +32,6 @@ class UnitCube:
 
     @property
     def dimension(self) -> int:
-        """Number of genes."""
         return len(self._span)
 
     def candidate(self, point: NDArray[np.float64]) -> Candidate:

@@ -98,10 +98,8 @@ class KeptFrames:
             yield read_frames(file, rig)
 
     def shuffled(self, rng: np.random.Generator) -> KeptFrames:
-        """The same in another order."""
         return KeptFrames(tuple(self.files[int(i)] for i in rng.permutation(len(self.files))))
 
     @property
     def images(self) -> int:
-        """How many images they are."""
         return sum(len(batch.episode) * len(batch.images) for batch in self)

@@ -38,11 +38,9 @@ class PretrainingOutcome:
 
     @property
     def training_seconds(self) -> float:
-        """Time spent training and scoring [s]."""
         return sum(float(line["seconds"]) for line in self.epochs)
 
     def as_data(self) -> dict[str, Any]:
-        """For ``result.json``."""
         return {
             "trained": self.use,
             "weights": self.file,
@@ -57,7 +55,6 @@ class PretrainingOutcome:
 
 
 def summary(outcome: PretrainingOutcome) -> str:
-    """The finding in a few lines."""
     return (
         f"{_finding(outcome)}\n"
         f"Weights: {outcome.file} ({outcome.size_bytes / 1e6:.1f} MB), for `weights` of {outcome.use}."
@@ -65,7 +62,6 @@ def summary(outcome: PretrainingOutcome) -> str:
 
 
 def page(outcome: PretrainingOutcome) -> Page:
-    """The page."""
     rows = tuple((name, f"{value:.3f}") for name, value in outcome.scores.items())
     return Page(
         eyebrow="Pre-training",

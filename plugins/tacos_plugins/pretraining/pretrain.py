@@ -271,7 +271,6 @@ class Steps(list[Mapping[str, float]]):
     """Losses of the steps of a pass."""
 
     def means(self) -> dict[str, float]:
-        """The mean of each loss."""
         names = self[0] if self else ()
         return {name: float(np.mean([losses[name] for losses in self])) for name in names}
 

@@ -107,7 +107,6 @@ class MonocularRig:
         self.config = config
 
     def build(self, variables: Variables) -> Rig:
-        """The rig of these variables."""
         camera = mounted_camera(
             "camera",
             variables,

@@ -84,17 +84,14 @@ class SensorPart(PricedPart):
 
     @property
     def width_mm(self) -> float:
-        """Width of the active area [mm]."""
         return self.width_px * self.pixel_um * 1e-3
 
     @property
     def height_mm(self) -> float:
-        """Height of the active area [mm]."""
         return self.height_px * self.pixel_um * 1e-3
 
     @property
     def diagonal_mm(self) -> float:
-        """Diagonal of the active area [mm]."""
         return math.hypot(self.width_mm, self.height_mm)
 
     @property

@@ -89,12 +89,10 @@ class AffineNoise:
 
     @property
     def black_level_dn(self) -> float:
-        """Pedestal of the files [DN]."""
         return self.config.black_level_dn
 
     @property
     def white_level_dn(self) -> float:
-        """Full scale of the files [DN]."""
         return 2**self.bit_depth - 1
 
     def expect(
@@ -130,7 +128,6 @@ class AffineNoise:
         rng: np.random.Generator,
         photon_scale: float = 1.0,
     ) -> NDArray[np.float32]:
-        """See `tacos_framework.contracts.Sensor.draw`."""
         levels = self.noise_levels(camera, exposure.gain_db)
         noisy = np.empty(samples_dn.shape, np.float32)
         add_noise(

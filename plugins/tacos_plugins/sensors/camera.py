@@ -103,7 +103,6 @@ class CameraSensor(Emva):
     _draw: Draw = MIDDLE
 
     def assuming(self, draw: Draw) -> CameraSensor:
-        """See `SensorBase.assuming`."""
         if self.config.assumptions is not None:
             return self
         drawn = copy(self)

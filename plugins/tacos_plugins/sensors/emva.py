@@ -128,12 +128,10 @@ class Emva:
 
     @property
     def black_level_dn(self) -> float:
-        """Pedestal of the files [DN]."""
         return self.config.black_level_dn
 
     @property
     def white_level_dn(self) -> float:
-        """Full scale of the files [DN]."""
         return 2**self.config.bit_depth - 1
 
     def expect(
@@ -180,7 +178,6 @@ class Emva:
         rng: np.random.Generator,
         photon_scale: float = 1.0,
     ) -> NDArray[np.float32]:
-        """See `tacos_framework.contracts.Sensor.draw`."""
         site, gain = self.photosite(camera), self.gain_dn_per_e(camera, exposure)
         above_black = samples_dn - np.float32(self.black_level_dn)
         electrons = count_electrons(
@@ -194,7 +191,7 @@ class Emva:
         return np.asarray(electrons * np.float32(gain) + np.float32(self.black_level_dn), np.float32)
 
     def is_mono(self, camera: Camera) -> bool:
-        """Whether a camera's images have one channel."""
+        """True if a camera's images have one channel."""
         if self.config.channels == "by-part":
             return camera.colour == "mono"
         return self.config.channels == "mono"

@@ -39,7 +39,7 @@ class FigurePrior:
     sensors: int
     """How many sensors it was fitted to [1]."""
     is_share: bool = False
-    """Whether f is the logit rather than the logarithm."""
+    """True if f is the logit rather than the logarithm."""
 
     def value(self, pixel_um: float, z: float = 0.0) -> float:
         """The figure at a pitch, `z` standard deviations above the middle."""

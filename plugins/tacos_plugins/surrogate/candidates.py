@@ -250,7 +250,7 @@ def _shuffled(values: Sequence[Own], count: int, rng: np.random.Generator) -> li
 
 
 def _has_range(variable: Variable) -> bool:
-    """Whether values are drawn from a range, rather than listed."""
+    """True if values are drawn from a range, rather than listed."""
     if isinstance(variable, Integer):
         return variable.upper - variable.lower >= MOST_VALUES
     return isinstance(variable, Continuous)

@@ -64,7 +64,6 @@ class Evidence:
 
     @property
     def dimension(self) -> int:
-        """Number of coordinates."""
         return self.inputs.points.shape[1]
 
     @cached_property

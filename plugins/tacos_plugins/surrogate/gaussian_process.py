@@ -40,7 +40,6 @@ class Inputs:
         return len(self.points)
 
     def take(self, rows: NDArray[np.int64]) -> Inputs:
-        """These rows of it."""
         times = None if self.times is None else self.times[rows]
         return Inputs(self.points[rows], self.episodes[rows], times)
 

@@ -123,7 +123,6 @@ class GreyBox:
 
     @property
     def hyperparameters(self) -> dict[str, Hyperparameters]:
-        """Those of each score."""
         return {name: model.process.hyperparameters for name, model in self.models.items()}
 
     def posterior(self, points: Sequence[Mapping[str, float]]) -> FitnessPosterior:

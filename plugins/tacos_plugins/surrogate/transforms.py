@@ -52,7 +52,6 @@ class Identity:
     smallest_spread: float = 1e-9
 
     def forward(self, scores: Array) -> Array:
-        """The scores."""
         return scores
 
     def counting_noise(self, scores: Array) -> float:
@@ -60,7 +59,6 @@ class Identity:
         return 0.0
 
     def expected(self, mean: Array, variance: float) -> Array:
-        """The mean."""
         return mean
 
 
@@ -101,7 +99,6 @@ class Logit:
     smallest_spread: float = 0.1
 
     def forward(self, scores: Array) -> Array:
-        """Logits of the shares."""
         from scipy.special import logit  # late: checking a recipe predicts nothing
 
         inside = SHARE_MARGIN + (1 - 2 * SHARE_MARGIN) * np.clip(scores, 0.0, 1.0)
@@ -117,7 +114,6 @@ class Logit:
         return 0.0 if count is None else float(2 / np.sqrt(count))
 
     def expected(self, mean: Array, variance: float) -> Array:
-        """The mean share, between 0 and 1."""
         from scipy.special import expit  # late: as above
 
         inside = expit(mean / np.sqrt(1 + np.pi * variance / 8))

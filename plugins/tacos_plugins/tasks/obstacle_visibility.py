@@ -95,7 +95,6 @@ class ObstacleVisibility:
         self.config = config
 
     def begin(self, *, state: State | None = None) -> ObstacleScorer:
-        """A scorer for one episode."""
         return ObstacleScorer(self.config)
 
 
@@ -120,7 +119,6 @@ class ObstacleScorer:
         self._crossings: tuple[Crossing, ...] = ()
 
     def update(self, frames: FrameBatch) -> None:
-        """Take in the next frames."""
         episode = frames.episode
         self._crossings = episode.crossings
         obstacles = sorted({crossing.object_id for crossing in episode.crossings})
@@ -146,7 +144,7 @@ class ObstacleScorer:
         return {name: sum(values) / len(values) for name, values in shares.items() if values}
 
     def _in_time(self, crossing: Crossing, walk: Iterable[Sighting]) -> bool:
-        """Whether an obstacle was seen in its walk before the step, and lately enough."""
+        """True if an obstacle was seen in its walk before the step, and lately enough."""
         limit_s = np.inf if self._config.before_s is None else self._config.before_s
         return any(
             sighting.near[crossing.object_id] >= self._config.min_pixels
@@ -185,7 +183,7 @@ def _most_photosites(
 
 
 def _belongs(crossing: Crossing, number: int, walk: Sequence[Sighting]) -> bool:
-    """Whether a step was taken on a walk."""
+    """True if a step was taken on a walk."""
     if crossing.walk is not None:
         return crossing.walk == number
     return walk[0].time_s <= crossing.time_s <= walk[-1].time_s

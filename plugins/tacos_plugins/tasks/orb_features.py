@@ -152,11 +152,9 @@ class OrbFeatures:
 
     @property
     def wants(self) -> Literal["linear", "grey"]:
-        """See `TaskBase.wants`."""
         return "linear" if self.config.images == "linear" else "grey"
 
     def begin(self, *, state: State | None = None) -> OrbScorer:
-        """A scorer for one episode."""
         return OrbScorer(self.config)
 
 
@@ -196,7 +194,6 @@ class Scale:
         )
 
     def detector(self, config: OrbFeatures.Config) -> Any:
-        """OpenCV's ORB."""
         return cv2.ORB.create(
             nfeatures=self.features * (1 if config.cells == (1, 1) else CANDIDATES),
             scaleFactor=config.scale_factor,
@@ -225,7 +222,6 @@ class OrbScorer:
         self._pairs: list[FollowedFeatures] = []
 
     def update(self, frames: FrameBatch) -> None:
-        """Take in the next frames."""
         index = camera_index(frames, self._config.camera, where="task.orb-features")
         camera = frames.capture.views[index].camera
         scale = Scale.of(self._config, camera.simulated_binning)

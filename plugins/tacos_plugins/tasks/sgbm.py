@@ -88,7 +88,6 @@ class Sgbm:
         return None
 
     def begin(self, *, state: State | None = None) -> SgbmScorer:
-        """A scorer for one episode."""
         return SgbmScorer(self.config)
 
 
@@ -100,7 +99,6 @@ class SgbmScorer:
         self._scores = DepthScores(config.max_depth_m)
 
     def update(self, frames: FrameBatch) -> None:
-        """Take in the next frames."""
         views = frames.capture.views
         pair = _pair_of(self._config, [view.camera for view in views])
         matcher = _matcher(self._config, pair)
@@ -109,7 +107,6 @@ class SgbmScorer:
             self._scores.add(filled(_matched(matcher, left, right)), depth_m, pair)
 
     def scores(self) -> Scores:
-        """The scores of all frames so far."""
         return self._scores.scores()
 
 

@@ -67,7 +67,6 @@ class SurroundCoverage:
         self.config = config
 
     def begin(self, *, state: State | None = None) -> SurroundScorer:
-        """A scorer for one episode."""
         return SurroundScorer(self.config)
 
 
@@ -80,7 +79,6 @@ class SurroundScorer:
         self._covered: float | None = None
 
     def update(self, frames: FrameBatch) -> None:
-        """Take in the next frames."""
         views, config = frames.capture.views, self._config
         if self._covered is None:
             cameras = [view.camera for view in views]

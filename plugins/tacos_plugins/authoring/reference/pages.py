@@ -314,6 +314,5 @@ def pages_of_the_site() -> dict[str, Callable[[], str]]:
 
 
 def main(folder: Path) -> None:
-    """Write all pages into a folder."""
     for name, write in pages().items():
         (folder / name).write_text(write(), encoding="utf-8")

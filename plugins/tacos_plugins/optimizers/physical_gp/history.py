@@ -27,7 +27,7 @@ class Trial:
     episodes: Mapping[str, Mapping[str, float]]
     """Its scores in each episode, by number as text, as JSON has it."""
     failed: bool
-    """Whether there is nothing to learn from it but that it failed."""
+    """True if there is nothing to learn from it but that it failed."""
 
     @classmethod
     def of(cls, result: Evaluated, round_number: int, scenes: str = "") -> Trial:
@@ -43,7 +43,6 @@ class Trial:
         return cls(tuple(result.candidate.genes), round_number, result.fitness, episodes, failed)
 
     def as_json(self) -> dict[str, Any]:
-        """As JSON values."""
         return {**asdict(self), "genes": list(self.genes)}
 
     @classmethod
@@ -69,7 +68,7 @@ def scored_episodes(
 
 
 def scores_known(trials: Sequence[Trial]) -> bool:
-    """Whether results come with scores of episodes, all that succeeded."""
+    """True if results come with scores of episodes, all that succeeded."""
     return all(trial.episodes or trial.failed for trial in trials)
 
 

@@ -39,7 +39,6 @@ class Fitted:
     hyperparameters: Mapping[str, Hyperparameters]
 
     def as_json(self) -> dict[str, Any]:
-        """As JSON values."""
         found = {name: asdict(h) for name, h in self.hyperparameters.items()}
         return {"trials": self.trials, "hyperparameters": found}
 

@@ -134,7 +134,6 @@ class PhysicalGp:
 
     @property
     def expected_candidates(self) -> int:
-        """All evaluations."""
         return self.config.evaluations
 
     @in_one_thread
@@ -213,7 +212,6 @@ class PhysicalGp:
         }
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on from a `state`."""
         self._trials = [Trial.from_json(trial) for trial in state["trials"]]
         self._rounds, self._quiet_rounds = state["rounds"], state["quiet_rounds"]
         self._fitted = None if state["fitted"] is None else Fitted.from_json(state["fitted"])

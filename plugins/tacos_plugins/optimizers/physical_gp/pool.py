@@ -32,7 +32,6 @@ class Located:
         return len(self.candidates)
 
     def take(self, numbers: Iterable[int]) -> Located:
-        """Some of them, by their numbers."""
         chosen = np.fromiter(numbers, dtype=np.int64)
         return Located(tuple(self.candidates[i] for i in chosen), self.rows[chosen])
 
@@ -41,7 +40,6 @@ class Located:
         return self.take(i for i, candidate in enumerate(self.candidates) if candidate.genes not in genes)
 
     def joined(self, *others: Located) -> Located:
-        """These and those."""
         candidates = [c for located in (self, *others) for c in located.candidates]
         numbers = {candidate: number for number, candidate in reversed(list(enumerate(candidates)))}
         rows = np.concatenate([located.rows for located in (self, *others)])

@@ -52,7 +52,6 @@ class Designers:
         return {"points": self.points.tolist(), "step": self.step}
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on from a `state`."""
         self.points = np.array(state["points"])
         self.step = state["step"]
 
@@ -80,7 +79,6 @@ class RewardScale:
         self.worst: float | None = None
 
     def learn(self, fitness: float) -> None:
-        """Take in one fitness."""
         self.count += 1
         away = fitness - self.mean
         self.mean += away / self.count
@@ -94,14 +92,11 @@ class RewardScale:
         return float(np.sqrt(variance)) or 1.0
 
     def scaled(self, fitness: float) -> float:
-        """A fitness as a reward."""
         return float(np.clip((fitness - self.mean) / self.spread, -self._MOST, self._MOST))
 
     def state(self) -> dict[str, Any]:
-        """As JSON values."""
         return {"count": self.count, "mean": self.mean, "squares": self.squares, "worst": self.worst}
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on from a `state`."""
         self.count, self.mean, self.squares = state["count"], state["mean"], state["squares"]
         self.worst = state["worst"]

@@ -142,7 +142,6 @@ class Learner:
         return {"arrays": base64.b64encode(packed).decode("ascii"), "begins": self._begins}
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on from a `state`."""
         arrays = load(base64.b64decode(state["arrays"]))
         weights = {
             name.removeprefix("policy."): torch.from_numpy(array.copy())

@@ -100,7 +100,6 @@ class Ppo:
 
     @property
     def expected_candidates(self) -> int:
-        """All evaluations."""
         return self.config.evaluations
 
     def ask(self) -> list[Candidate]:
@@ -148,7 +147,6 @@ class Ppo:
         }
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on from a `state`."""
         self._rng.bit_generator.state = state["rng"]
         self._evaluated = state["evaluated"]
         self._last = list(state["last"])

@@ -104,7 +104,7 @@ def look_around(place_m: NDArray[np.float64], lights: Sequence[Light], view: Fac
 
 
 def may_show(rotation: NDArray[np.float64], to_light_m: NDArray[np.float64], light: Light) -> bool:
-    """Whether a face of 90 degrees with (3, 3) axes may show a light: its bounding sphere is in view."""
+    """True if a face of 90 degrees with (3, 3) axes may show a light: its bounding sphere is in view."""
     x, y, z = to_light_m @ rotation
     reach = light.radius_m if light.normal is None else float(np.linalg.norm(light.half_u_m + light.half_v_m))
     return bool(z > -reach and max(abs(x), abs(y)) - z < math.sqrt(2) * reach)

@@ -25,7 +25,7 @@ def in_passes(samples: int, most: int, *, even: bool) -> list[int]:
 
 
 def is_power_of_four(number: int) -> bool:
-    """Whether it is 1, 4, 16, 64, ...
+    """True if it is 1, 4, 16, 64, ...
 
     Examples
     --------

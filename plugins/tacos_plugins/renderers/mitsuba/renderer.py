@@ -76,7 +76,7 @@ class MitsubaRenderer:
 
     @property
     def averages_exposure(self) -> bool:
-        """Whether light is that of several moments of the exposure."""
+        """True if light is that of several moments of the exposure."""
         return self._config.motion_samples > 1
 
     def capture(self, episode: Episode, *, rig: Rig, exposure: Exposure) -> Capture:

@@ -81,7 +81,6 @@ class DrawnWorld:
         return by_gl + (self.by_loops.tables.nbytes if "by_loops" in made else 0)
 
     def release(self) -> None:
-        """Give all memory of the GPU back."""
         if "by_gl" in vars(self):
             self.by_gl.release()
 

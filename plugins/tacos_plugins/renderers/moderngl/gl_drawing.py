@@ -107,7 +107,6 @@ class GlDrawing:
         self._context.depth_func = "<"
 
     def release(self) -> None:
-        """Give the world and all that belongs to it back."""
         for arrays in (*self._shaded.values(), self._geometry, self._sky):
             arrays.release()
         self.world.release()

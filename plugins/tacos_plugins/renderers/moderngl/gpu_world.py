@@ -94,7 +94,6 @@ class GpuWorld:
         return sum(buffer.size for buffer in buffers) + sum(map(_texture_bytes, self.textures.values()))
 
     def release(self) -> None:
-        """Give all memory of the GPU back."""
         buffers = (self.surface, self.gloss, self.geometry, self.indices, self.commands)
         for held in (*buffers, *self.textures.values()):
             held.release()

@@ -105,11 +105,9 @@ class Painter:
         return self.world.culling.draw_list(chunks, view.eye_m, SurfaceKind.CLOSED)
 
     def viewpoint(self, camera: Camera, world_from_camera: NDArray[np.float64], near_m: float) -> Viewpoint:
-        """A camera in this world."""
         return viewpoint(camera, world_from_camera, near_m, self.world.far_m(world_from_camera[:3, 3]))
 
     def release(self) -> None:
-        """Give the world and all that belongs to it back."""
         self.world.release()
 
     def _seen(self, view: Viewpoint, mover: int) -> Viewpoint:

@@ -37,7 +37,6 @@ class Face:
 
     @property
     def size_bytes(self) -> int:
-        """Memory it holds [bytes]."""
         return sum(held.nbytes for held in (*self.luminance_cd_m2, self.nearness, self.surface))
 
 
@@ -79,7 +78,6 @@ class FaceStore:
 
     @property
     def held_bytes(self) -> int:
-        """Memory held now [bytes]."""
         return self._held_bytes
 
     def get(self, key: Hashable, make: Callable[[], Face]) -> Face:

@@ -37,9 +37,7 @@ class RenderedView:
 class Photographer(Protocol):
     """Takes pictures with one camera."""
 
-    def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> RenderedView:
-        """The picture from a pose."""
-        ...
+    def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> RenderedView: ...
 
 
 class Multisampling:
@@ -59,7 +57,6 @@ class Multisampling:
         self._geometry = targets.scratch("geometry", (*self._shape, 2))
 
     def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> RenderedView:
-        """The picture from a pose."""
         geometry, colour = self._draw(painter, world_from_camera)
         luminance = np.empty((*self._shape, 3), np.float32)
         geometry.read(self._geometry)
@@ -128,7 +125,6 @@ class EdgeBlending:
         self._behind = targets.scratch("behind", self._shape)
 
     def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> RenderedView:
-        """The picture from a pose."""
         from tacos_plugins.renderers.software.coverage import find_edges  # takes a moment to import
 
         view = painter.viewpoint(self._camera, world_from_camera, self._near_m)

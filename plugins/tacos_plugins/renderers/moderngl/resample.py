@@ -58,7 +58,6 @@ class Resampling:
         self._y = ((np.arange(camera.height_px) - camera.centre_px[1]) * step).astype(np.float32)
 
     def take(self, painter: Painter, world_from_camera: NDArray[np.float64]) -> RenderedView:
-        """The picture from a pose."""
         finer = fineness(self._camera, world_from_camera[:3, :3], self._edge_px)
         if finer.min() < 1:
             return self._direct.take(painter, world_from_camera)

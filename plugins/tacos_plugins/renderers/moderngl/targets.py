@@ -71,7 +71,6 @@ class RenderTarget:
         return self._resolved
 
     def release(self) -> None:
-        """Give the memory back."""
         for framebuffer in (self.framebuffer, self._resolved):
             if framebuffer is None:
                 continue

@@ -21,7 +21,7 @@ _GUARD_PX = float(1 << 20)
 
 @compiled
 def needs_cutting(corners: NDArray[np.float64], near_m: float) -> bool:
-    """Whether a triangle of homogeneous pixels comes nearer than `near_m` [m], or reaches far beside."""
+    """True if a triangle of homogeneous pixels comes nearer than `near_m` [m], or reaches far beside."""
     for corner in range(3):
         x, y, w = corners[corner, 0], corners[corner, 1], corners[corner, 2]
         if w < near_m or max(abs(x), abs(y)) > _GUARD_PX * w:

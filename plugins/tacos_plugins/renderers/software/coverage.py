@@ -172,7 +172,7 @@ def _find_sources(
 
 @compiled
 def _sees(seen: NDArray[np.float32], row: int, column: int, wanted: np.float32) -> bool:
-    """Whether a pixel lies in the image and its centre sees a surface."""
+    """True if a pixel lies in the image and its centre sees a surface."""
     height, width = seen.shape
     inside = (row >= 0) and (row < height) and (column >= 0) and (column < width)
     return inside and seen[row, column] == wanted

@@ -26,7 +26,7 @@ def nothing_drawn(shape: tuple[int, ...]) -> NDArray[np.float32]:
 def is_hidden(
     lowest: NDArray[np.float32], first: int, last: int, least: int, most: int, nearest: float | np.float32
 ) -> bool:
-    """Whether what is drawn already lies before all that could be seen in some rows and columns."""
+    """True if what is drawn already lies before all that could be seen in some rows and columns."""
     for y in range(first, last + 1):
         for block in range(least // BLOCK, most // BLOCK + 1):
             if lowest[y, block] < nearest:

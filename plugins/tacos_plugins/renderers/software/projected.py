@@ -122,7 +122,7 @@ def _project(
 
 @compiled
 def _beyond(corners: NDArray[np.float64], shape: tuple[int, int]) -> bool:
-    """Whether a triangle of homogeneous pixels lies beyond one side of an image, and so shows nowhere."""
+    """True if a triangle of homogeneous pixels lies beyond one side of an image, and so shows nowhere."""
     left, right, over, under = True, True, True, True
     for corner in range(3):
         x, y, w = corners[corner, 0], corners[corner, 1], corners[corner, 2]

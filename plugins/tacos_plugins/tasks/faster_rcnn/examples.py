@@ -25,7 +25,6 @@ class Example:
     labels: Labels
 
     def mirrored(self) -> Example:
-        """With left and right exchanged."""
         labels = self.labels.mirrored(self.image_dn.shape[1])
         return Example(self.image_dn[:, ::-1], self.black_level_dn, self.white_level_dn, labels)
 

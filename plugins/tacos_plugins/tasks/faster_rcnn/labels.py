@@ -28,11 +28,9 @@ class Labels:
         return len(self.classes)
 
     def counted(self) -> Labels:
-        """Those that are large enough."""
         return Labels(self.boxes_px[self.counts], self.classes[self.counts], self.counts[self.counts])
 
     def mirrored(self, width_px: int) -> Labels:
-        """Those of the frame with left and right exchanged."""
         left, top, right, bottom = self.boxes_px.T
         boxes = np.stack([width_px - right, top, width_px - left, bottom], axis=1)
         return Labels(boxes, self.classes, self.counts)

@@ -196,7 +196,6 @@ class FasterRcnn:
         return state_of(model, adam, schedule_steps=passes)
 
     def begin(self, *, state: State | None) -> DetectionScorer:
-        """A scorer for one episode, with the weights of a state."""
         if state is None:
             raise ValueError(
                 f"{WHERE} scores with trained weights: begin needs a state, as initial_state gives"
@@ -223,7 +222,6 @@ class FasterRcnn:
 
     @property
     def wants(self) -> Literal["linear", "coded"]:
-        """See `TaskBase.wants`."""
         return "coded" if self.config.encoding == "srgb" else "linear"
 
     @property
@@ -264,7 +262,6 @@ class DetectionScorer:
         self._precision = AveragePrecision(config.classes, detections=config.detections)
 
     def update(self, frames: FrameBatch) -> None:
-        """Take in the next frames."""
         examples = list(self._task.examples([frames]))
         at_once = FRAMES_AT_ONCE[self._device.type]
         for start in range(0, len(examples), at_once):
@@ -290,5 +287,4 @@ class DetectionScorer:
         ]
 
     def scores(self) -> Scores:
-        """Average precision over all frames so far."""
         return self._precision.scores("ap50")

@@ -135,7 +135,6 @@ def _steps_of(adam: torch.optim.Adam) -> int:
 
 
 def inputs(batch: Sequence[Example], device: torch.device) -> list[Tensor]:
-    """The images of examples as the network takes them."""
     return [
         network_image(
             example.image_dn,

@@ -78,7 +78,6 @@ class Fiducials:
         self.config = config
 
     def begin(self, *, state: State | None = None) -> FiducialsScorer:
-        """A scorer for one episode."""
         return FiducialsScorer(self.config)
 
 
@@ -90,7 +89,6 @@ class FiducialsScorer:
         self._sightings: list[Sighting] = []
 
     def update(self, frames: FrameBatch) -> None:
-        """Take in the next frames."""
         index = camera_index(frames, self._config.camera, where=WHERE)
         view = frames.capture.views[index]
         tags = list(tags_of(frames.episode.world))

@@ -80,5 +80,5 @@ def naming_lack_of_memory(what: str, *, where: str) -> Iterator[None]:
 
 
 def is_out_of_memory(error: RuntimeError) -> bool:
-    """Whether torch found no memory, on a GPU or on the CPU, where it says so in words alone."""
+    """True if torch found no memory, on a GPU or on the CPU, where it says so in words alone."""
     return isinstance(error, torch.OutOfMemoryError) or "DefaultCPUAllocator" in str(error)

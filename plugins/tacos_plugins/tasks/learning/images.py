@@ -46,6 +46,5 @@ def normalised(colour: Tensor) -> Tensor:
 
 
 def on_device(array: NDArray[Any], device: torch.device) -> Tensor:
-    """A copy of an array on a device."""
     copy = torch.from_numpy(array.copy())
     return copy.pin_memory().to(device, non_blocking=True) if device.type == "cuda" else copy

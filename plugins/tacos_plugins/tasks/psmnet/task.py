@@ -95,7 +95,6 @@ class PsmnetDepth:
 
     @property
     def wants(self) -> Literal["linear", "coded"]:
-        """See `TaskBase.wants`."""
         return "coded" if self.config.encoding == "srgb" else "linear"
 
     def lacks(self, rig: Rig) -> str | None:
@@ -157,7 +156,6 @@ class PsmnetDepth:
         return state_of(network, adam)
 
     def begin(self, *, state: State | None) -> PsmnetScorer:
-        """A scorer for one episode, with the weights of a state."""
         if state is None:
             raise ValueError(f"{WHERE} scores with weights: begin needs a state, as initial_state gives")
         network = self._empty_network()
@@ -199,7 +197,6 @@ class PsmnetScorer:
         self._scores = DepthScores(task.config.max_depth_m)
 
     def update(self, frames: FrameBatch) -> None:
-        """Take in the next frames."""
         for example in self._task.examples([frames]):
             self._scores.add(self.disparity_px(example), example.depth_m, example.pair)
 
@@ -214,5 +211,4 @@ class PsmnetScorer:
             return found[0].cpu().numpy()
 
     def scores(self) -> Scores:
-        """The scores of all frames so far."""
         return self._scores.scores()

@@ -97,7 +97,6 @@ class DepthScores:
         self._outliers += int(np.count_nonzero((off_px > OUTLIER_PX) & (off_px > OUTLIER_SHARE * truth_px)))
 
     def scores(self) -> Scores:
-        """The scores of all frames so far."""
         found: dict[str, float] = {}
         if self._near.count:
             log_error = self._near.log_error

@@ -25,7 +25,7 @@ class MotionError:
     """What one estimate is off by; None where there is nothing to tell it by."""
 
     found: bool
-    """Whether there is an estimate at all."""
+    """True if there is an estimate at all."""
     rotation_deg: float
     """Angle between the rotations [deg]."""
     direction_deg: float | None

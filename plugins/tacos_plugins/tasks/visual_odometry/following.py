@@ -104,7 +104,6 @@ def _features(image: Marked) -> Features:
 
 
 def follower(method: Method, *, points: int, apart_px: float) -> Follower:
-    """That of this name."""
     if method == "klt":
         return PatchFollower(points, apart_px)
     return DescriptorFollower(points)

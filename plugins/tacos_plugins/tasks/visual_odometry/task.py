@@ -139,7 +139,6 @@ class VisualOdometry:
         return None
 
     def begin(self, *, state: State | None = None) -> OdometryScorer:
-        """A scorer for one episode."""
         return OdometryScorer(self.config)
 
 
@@ -163,7 +162,6 @@ class OdometryScorer:
         self._errors: list[MotionError] = []
 
     def update(self, frames: FrameBatch) -> None:
-        """Take in the next frames."""
         config = self._config
         views = frames.capture.views
         chosen = [camera_index(frames, config.camera, where=WHERE)]
