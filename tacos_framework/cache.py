@@ -63,16 +63,10 @@ def _give_back_memory() -> None:
 class LRUCache(Generic[Made]):
     """The most recently used things, made when first asked for.
 
-    Parameters
-    ----------
-    size
-        How many at most.
-    most_bytes
-        Memory they may take together; a thing larger than that is held alone [bytes].
-    bytes_of
-        Memory a thing takes; without it, any number of bytes will do [bytes].
-    let_go
-        Told of each thing that is held no longer.
+    - `size`: how many at most.
+    - `most_bytes`: memory they may take together; a thing larger than that is held alone [bytes].
+    - `bytes_of`: memory a thing takes; without it, any number of bytes will do [bytes].
+    - `let_go`: told of each thing that is held no longer.
 
     Examples
     --------

@@ -19,10 +19,7 @@ Result = TypeVar("Result")
 class Tables(Generic[Result]):
     """The named tables of a kind of result.
 
-    Parameters
-    ----------
-    rows_of
-        Name of a table -> what makes its rows of a result.
+    - `rows_of`: name of a table -> what makes its rows of a result.
     """
 
     def __init__(self, rows_of: Mapping[str, Callable[[Result], Iterable[Row]]]) -> None:

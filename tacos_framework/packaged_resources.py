@@ -56,22 +56,13 @@ def _folders_of_plugins() -> Iterator[Path]:
 def find_file(name: str | Path, shipped: Path, *, folder: Path | None = None, noun: str) -> Path:
     """The file a recipe means by a name or a path.
 
-    Parameters
-    ----------
-    name
-        A bare word is the name of a shipped file; anything else is a path.
-    shipped
-        The folder of shipped files of this sort (``*.yaml``).
-    folder
-        The folder of the recipe, where its paths start; None for paths that start from the working folder,
-        such as those of the command line and of callers in Python.
-    noun
-        What it is, for messages.
+    - `name`: a bare word is the name of a shipped file; anything else is a path.
+    - `shipped`: the folder of shipped files of this sort (``*.yaml``).
+    - `folder`: the folder of the recipe, where its paths start; None for paths that start from the working
+      folder, such as those of the command line and of callers in Python.
+    - `noun`: what it is, for messages.
 
-    Raises
-    ------
-    UserError
-        When there is no such file.
+    Raises `UserError` when there is no such file.
     """
     text = str(name)
     if is_shipped_name(text):

@@ -19,17 +19,12 @@ def quantity(
 ) -> Quantity:
     """The value of a quantity by its name; None where it is unknown.
 
-    Parameters
-    ----------
-    name
-        ``hfov_deg``, derived by the rig; ``sensor.full_well_e``, a column of the part that is a variable's
-        value; ``features.inliers``, a score.
-    values
-        Plain values of the rig's variables, fixed ones among them; a part is a mapping of its columns.
-    derived
-        What the rig derives from them.
-    scores
-        Mean scores and ``fitness``, where the candidate has been scored.
+    - `name`: ``hfov_deg``, derived by the rig; ``sensor.full_well_e``, a column of the part that is a
+      variable's value; ``features.inliers``, a score.
+    - `values`: plain values of the rig's variables, fixed ones among them; a part is a mapping of its
+      columns.
+    - `derived`: what the rig derives from them.
+    - `scores`: mean scores and ``fitness``, where the candidate has been scored.
     """
     owner, dot, column = name.partition(".")
     part = values.get(owner)

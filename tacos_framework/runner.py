@@ -40,37 +40,24 @@ def run(
 ) -> dict[str, Any]:
     """Run a recipe and leave its results in a folder.
 
-    Parameters
-    ----------
-    recipe
-        What to do: a study or a procedure, from `load_recipe` or built in Python; or its plan, where it was
-        checked already.
-    out
-        The results folder: new or empty, or with `resume` that of a run to go on with.
-    plugins
-        The plugins to use; those installed if None.
-    executor
-        Evaluates instead of the recipe's executor, and is left open: for a host with workers of its own.
-    resume
-        Go on with the run in `out`. The result equals that of an unbroken run.
-    extend
-        Then go on for longer than it was begun for: by how much to raise which setting of its optimizer,
-        ``{"generations": 10}``. The result equals that of a study begun with the larger number.
-    accept_changes
-        Then go on although code, versions or files have changed since it was begun; the result says so.
-    command
-        How the run was started, for the report.
-    report
-        Also have plugins report on a study (``report.html``); procedures write theirs always.
+    - `recipe`: what to do: a study or a procedure, from `load_recipe` or built in Python; or its plan, where
+      it was checked already.
+    - `out`: the results folder: new or empty, or with `resume` that of a run to go on with.
+    - `plugins`: the plugins to use; those installed if None.
+    - `executor`: evaluates instead of the recipe's executor, and is left open: for a host with workers of its
+      own.
+    - `resume`: go on with the run in `out`. The result equals that of an unbroken run.
+    - `extend`: then go on for longer than it was begun for: by how much to raise which setting of its
+      optimizer, ``{"generations": 10}``. The result equals that of a study begun with the larger number.
+    - `accept_changes`: then go on although code, versions or files have changed since it was begun; the
+      result says so.
+    - `command`: how the run was started, for the report.
+    - `report`: also have plugins report on a study (``report.html``); procedures write theirs always.
 
-    Returns
-    -------
-    What stands in ``result.json``.
+    Returns: what stands in ``result.json``.
 
-    Raises
-    ------
-    UserError
-        When the recipe, the plugins or the folder do not allow it; nothing has been computed then.
+    Raises `UserError` when the recipe, the plugins or the folder do not allow it; nothing has been computed
+    then.
     """
     plugins = plugins or Plugins.discover()
     progress = progress or Silent()

@@ -57,14 +57,9 @@ def corners_behind(
 
     Triangles without another side keep their own.
 
-    Parameters
-    ----------
-    vertices_m
-        (V, 3) [m].
-    triangles
-        (T, 3) vertices.
-    other
-        (T,) as `other_sides` gives it.
+    - `vertices_m`: (V, 3) [m].
+    - `triangles`: (T, 3) vertices.
+    - `other`: (T,) as `other_sides` gives it.
     """
     corners = triangles.astype(np.int64)
     two_sided = np.flatnonzero(other >= 0)

@@ -31,9 +31,7 @@ def srgb_from_linear(linear: ArrayLike) -> NDArray[np.float64]:
 
     Returns: sRGB code values, 0..1; same shape [1].
 
-    References
-    ----------
-    IEC 61966-2-1:1999.
+    Source: IEC 61966-2-1:1999.
 
     Examples
     --------
@@ -51,9 +49,7 @@ def linear_from_srgb(encoded: ArrayLike) -> NDArray[np.float64]:
 
     Returns: light, 1 is white; same shape [1].
 
-    References
-    ----------
-    IEC 61966-2-1:1999.
+    Source: IEC 61966-2-1:1999.
 
     Examples
     --------
@@ -74,19 +70,11 @@ def display_image(
 ) -> NDArray[np.uint8]:
     """A frame as people expect to see it.
 
-    Parameters
-    ----------
-    image_dn
-        (..., C) file values, pedestal included [DN].
-    black_level_dn, white_level_dn
-        The values shown as black and as white [DN].
-    coded
-        Whether the file is coded for a display already, rather than linear.
+    - `image_dn`: (..., C) file values, pedestal included [DN].
+    - `black_level_dn`, `white_level_dn`: the values shown as black and as white [DN].
+    - `coded`: whether the file is coded for a display already, rather than linear.
 
-    Returns
-    -------
-    NDArray
-        Same shape, uint8 sRGB code values, 0..255.
+    Returns: same shape, uint8 sRGB code values, 0..255.
 
     Examples
     --------

@@ -31,9 +31,7 @@ def exposure_per_luminance(time_s: float, f_number: float) -> float:
 
     Returns: H / L [lux s / (cd/m2)].
 
-    References
-    ----------
-    ISO 12232, Annex A, with transmittance and vignetting of 1.
+    Source: ISO 12232, Annex A, with transmittance and vignetting of 1.
 
     Examples
     --------

@@ -25,19 +25,11 @@ def agent_from_camera(
 ) -> NDArray[np.float64]:
     """The pose of a camera mounted on the agent.
 
-    Parameters
-    ----------
-    position_m
-        (3,) optical centre in the agent frame: forward, left, up [m].
-    pitch_deg
-        Tilt of the optical axis, positive is up [deg].
-    yaw_deg
-        Turn of the optical axis, positive is left [deg].
+    - `position_m`: (3,) optical centre in the agent frame: forward, left, up [m].
+    - `pitch_deg`: tilt of the optical axis, positive is up [deg].
+    - `yaw_deg`: turn of the optical axis, positive is left [deg].
 
-    Returns
-    -------
-    NDArray
-        (4, 4) float64 rigid transform [m].
+    Returns: (4, 4) float64 rigid transform [m].
 
     Examples
     --------
@@ -102,13 +94,11 @@ def project(
 
     `points_m`: (..., 3) points in the world [m]. `world_from_camera`: (4, 4) its pose [m].
 
-    Returns
-    -------
-    pixels_px
-        (..., 2) float64 pixel coordinates (x, y), not clipped to the image; NaN for points that the lens does
-        not image, as those behind a rectilinear camera [px].
-    depth_m
-        (...) float64 depth as `View.depth_m` has it; negative behind a rectilinear camera [m].
+    Returns:
+
+    - `pixels_px`: (..., 2) float64 pixel coordinates (x, y), not clipped to the image; NaN for points that
+      the lens does not image, as those behind a rectilinear camera [px].
+    - `depth_m`: (...) float64 depth as `View.depth_m` has it; negative behind a rectilinear camera [m].
 
     Examples
     --------

@@ -33,21 +33,15 @@ def reprojected(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Where another camera of the same kind sees what this one sees.
 
-    Parameters
-    ----------
-    x_px, y_px
-        Places in the image of this camera [px].
-    inverse_depth
-        One over the depth of what is seen there [1/m].
-    other_from_camera
-        (4, 4) rigid transform from this camera's frame to the other's, or (..., 4, 4) one for each place [m].
+    - `x_px`, `y_px`: places in the image of this camera [px].
+    - `inverse_depth`: one over the depth of what is seen there [1/m].
+    - `other_from_camera`: (4, 4) rigid transform from this camera's frame to the other's, or (..., 4, 4) one
+      for each place [m].
 
-    Returns
-    -------
-    x_px, y_px
-        Places in the other's image; where a fisheye images nothing, the same places [px].
-    scale
-        Depth of each point in the other camera over its depth in this one [1].
+    Returns:
+
+    - `x_px`, `y_px`: places in the other's image; where a fisheye images nothing, the same places [px].
+    - `scale`: depth of each point in the other camera over its depth in this one [1].
 
     Examples
     --------
@@ -125,23 +119,15 @@ class FrameMotion:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Where the frame shows what lies at a pixel some time later, and how far it is by then.
 
-        Parameters
-        ----------
-        x_px, y_px
-            Places in the image at that time [px].
-        inverse_depth
-            One over its depth in the frame [1/m].
-        after_s
-            How much later, below 0 before; all four broadcast [s].
-        object_id
-            What it belongs to.
+        - `x_px`, `y_px`: places in the image at that time [px].
+        - `inverse_depth`: one over its depth in the frame [1/m].
+        - `after_s`: how much later, below 0 before; all four broadcast [s].
+        - `object_id`: what it belongs to.
 
-        Returns
-        -------
-        x_px, y_px
-            Places in the frame's image [px].
-        inverse_depth
-            One over its depth at that time [1/m].
+        Returns:
+
+        - `x_px`, `y_px`: places in the frame's image [px].
+        - `inverse_depth`: one over its depth at that time [1/m].
         """
         moments_s: NDArray[np.float64] = np.asarray(after_s, np.float64).reshape(-1)
         frame_from_then = (

@@ -97,15 +97,10 @@ def evaluate(
 ) -> None:
     """Fill an array with a quintic spline at any place, kept between two bounds.
 
-    Parameters
-    ----------
-    coefficients
-        (H, W) of the spline, at least 6 a side.
-    x_px, y_px
-        (H', W') column and row of each place, in units of the coefficients'. Places where any of the 6 by 6
-        coefficients around them is missing are moved inwards until all are there.
-    out
-        (H', W') is filled.
+    - `coefficients`: (H, W) of the spline, at least 6 a side.
+    - `x_px`, `y_px`: (H', W') column and row of each place, in units of the coefficients'. Places where any
+      of the 6 by 6 coefficients around them is missing are moved inwards until all are there.
+    - `out`: (H', W') is filled.
     """
     height, width = coefficients.shape
     places = np.clip(y_px, 2, height - 4), np.clip(x_px, 2, width - 4)

@@ -51,19 +51,12 @@ def load_cameras(
 ) -> tuple[OffTheShelf, ...]:
     """Cameras by name.
 
-    Parameters
-    ----------
-    names
-        Their names, in the order wanted.
-    catalog
-        A shipped catalog of cameras, or the path of a YAML file.
-    folder
-        The folder of the recipe: its paths start there and must not leave it. None lifts that.
+    - `names`: their names, in the order wanted.
+    - `catalog`: a shipped catalog of cameras, or the path of a YAML file.
+    - `folder`: the folder of the recipe: its paths start there and must not leave it. None lifts that.
 
-    Raises
-    ------
-    UserError
-        For every name that is not there or stands twice, or with all that is wrong with the file.
+    Raises `UserError` for every name that is not there or stands twice, or with all that is wrong with the
+    file.
     """
     document, cameras = _read(catalog, folder)
     faults = [

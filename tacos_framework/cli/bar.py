@@ -69,10 +69,7 @@ def _shown_on(console: Console, *, quiet: bool) -> Iterator[Progress]:
 class _LogLines(logging.Handler):
     """Log lines on the console that draws the bars, so that they come above them and never into them.
 
-    Parameters
-    ----------
-    verbose
-        All lines in full; otherwise of warnings and errors the first, as ``log.txt`` has the others.
+    - `verbose`: all lines in full; otherwise of warnings and errors the first, as ``log.txt`` has the others.
     """
 
     def __init__(self, console: Console, *, verbose: bool):

@@ -20,12 +20,8 @@ EVERY_S = 60.0
 class Pace:
     """Counts what is done of a phase.
 
-    Parameters
-    ----------
-    total
-        How many candidates or steps it will take; None where nobody knows.
-    clock
-        Seconds since any moment.
+    - `total`: how many candidates or steps it will take; None where nobody knows.
+    - `clock`: seconds since any moment.
 
     Examples
     --------

@@ -45,21 +45,13 @@ def open_regular(path: Path) -> BufferedReader:
 def read_bytes(path: Path, limit: str, *, where: str | None = None, within: Path | None = None) -> bytes:
     """All bytes of a regular file.
 
-    Parameters
-    ----------
-    path
-        The file; links are followed.
-    limit
-        The one of `tacos_framework.files.limits.Limits` that holds for its size, in megabytes.
-    where
-        What names the file in messages; the path, when left out.
-    within
-        The folder the file must lie in, once all links are followed; None for any.
+    - `path`: the file; links are followed.
+    - `limit`: the one of `tacos_framework.files.limits.Limits` that holds for its size, in megabytes.
+    - `where`: what names the file in messages; the path, when left out.
+    - `within`: the folder the file must lie in, once all links are followed; None for any.
 
-    Raises
-    ------
-    UserError
-        When there is no such file, or it is no regular one, cannot be read, is too large or lies elsewhere.
+    Raises `UserError` when there is no such file, or it is no regular one, cannot be read, is too large or
+    lies elsewhere.
     """
     where = str(path) if where is None else where
     try:

@@ -118,23 +118,14 @@ def form_files(
 ) -> Samples:
     """The values of a file for the expected samples of one frame.
 
-    Parameters
-    ----------
-    expected_dn
-        (1, H, W, C) samples with the pedestal, without noise [DN].
-    chain
-        The effects of this camera; those on light have acted already.
-    geometry, context
-        Where the pixels lie, and what is known of them.
-    frame
-        Its number in the episode.
-    carried_dn2
-        Variance of noise that the expected samples carry, as their light was itself recorded [DN^2].
+    - `expected_dn`: (1, H, W, C) samples with the pedestal, without noise [DN].
+    - `chain`: the effects of this camera; those on light have acted already.
+    - `geometry`, `context`: where the pixels lie, and what is known of them.
+    - `frame`: its number in the episode.
+    - `carried_dn2`: variance of noise that the expected samples carry, as their light was itself recorded
+      [DN^2].
 
-    Returns
-    -------
-    NDArray
-        (1, H, W, C) float32 whole numbers within 0 and the white level [DN].
+    Returns: (1, H, W, C) float32 whole numbers within 0 and the white level [DN].
     """
 
     def act(effects: Sequence[ActingEffect], samples: Samples) -> Samples:

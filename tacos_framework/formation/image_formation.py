@@ -33,13 +33,9 @@ from tacos_framework.values import (
 class ImageFormation:
     """Image formation under one exposure, with the effects that hold for all images.
 
-    Parameters
-    ----------
-    effects
-        The effects of the recipe, in any order.
-    control
-        Who sets the exposure from frame to frame, beginning with the scenario's; None where it is fixed.
-        Then light waits for the sensor, as its exposure is not known before, and effects on it with it.
+    - `effects`: the effects of the recipe, in any order.
+    - `control`: who sets the exposure from frame to frame, beginning with the scenario's; None where it is
+      fixed. Then light waits for the sensor, as its exposure is not known before, and effects on it with it.
     """
 
     def __init__(

@@ -68,21 +68,13 @@ class Graph:
     ) -> Iterator[Mapping[str, Any]]:
         """Run an episode through the graph, batch by batch.
 
-        Parameters
-        ----------
-        scene
-            The scene node the episode came from.
-        batch_frames
-            Frames in a batch.
-        call
-            Evaluates one node that is neither scene nor task: given the node, its inputs by port, and the
-            batch, returns its output.
-        tasks
-            Tasks whose inputs are wanted; what none of them needs is not evaluated.
+        - `scene`: the scene node the episode came from.
+        - `batch_frames`: frames in a batch.
+        - `call`: evaluates one node that is neither scene nor task: given the node, its inputs by port, and
+          the batch, returns its output.
+        - `tasks`: tasks whose inputs are wanted; what none of them needs is not evaluated.
 
-        Yields
-        ------
-        For each batch, ``{task: {port: value}}``. Nothing of earlier batches is kept.
+        Yields: for each batch, ``{task: {port: value}}``. Nothing of earlier batches is kept.
         """
         wanted = set(tasks).union(*(networkx.ancestors(self._links, task) for task in tasks))
         path = [

@@ -54,18 +54,12 @@ def remedy_for(
 ) -> str:
     """Advice about a design variable whose owner has no such setting.
 
-    Parameters
-    ----------
-    setting
-        The name that is not known.
-    own
-        The settings that its owner does have.
-    keys
-        What the recipe has; see `keys_of_recipe`.
-    plugins
-        Whose effects are looked through last: a camera may have them, and the recipe not.
-    alone
-        Whether the name stood alone, with no owner: then a setting called so elsewhere is the likeliest.
+    - `setting`: the name that is not known.
+    - `own`: the settings that its owner does have.
+    - `keys`: what the recipe has; see `keys_of_recipe`.
+    - `plugins`: whose effects are looked through last: a camera may have them, and the recipe not.
+    - `alone`: whether the name stood alone, with no owner: then a setting called so elsewhere is the
+      likeliest.
     """
     near = did_you_mean(setting, own.model_fields, also_called(own))
     of_owner = near.startswith("Did you mean") and not (alone and setting in keys)

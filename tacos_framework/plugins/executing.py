@@ -105,12 +105,8 @@ def _short(given: Any) -> str:
 class GuardedExecutor:
     """An executor whose results come in the order of the jobs, and whose own errors name it.
 
-    Parameters
-    ----------
-    executor
-        The executor of a recipe or of a host.
-    use
-        The component; None for one of the host's own, which is called by its class.
+    - `executor`: the executor of a recipe or of a host.
+    - `use`: the component; None for one of the host's own, which is called by its class.
     """
 
     Config: ClassVar[type[Settings]] = Settings

@@ -39,14 +39,10 @@ class calling:
 
     Of nested blocks the innermost is to blame, and alone adds its note.
 
-    Parameters
-    ----------
-    use
-        The component, ``kind.name``, or the plugin whose hook is called.
-    distribution
-        The distribution it comes from, see `Plugins.distribution_of`; None where that is not known.
-    doing
-        What it is called for: the verb or hook, and what else tells the place.
+    - `use`: the component, ``kind.name``, or the plugin whose hook is called.
+    - `distribution`: the distribution it comes from, see `Plugins.distribution_of`; None where that is not
+      known.
+    - `doing`: what it is called for: the verb or hook, and what else tells the place.
 
     Examples
     --------

@@ -41,10 +41,7 @@ class HookedPlugin:
 class Offers:
     """The hooks of the plugins of one host, each called for one plugin alone, so that a failure has a name.
 
-    Parameters
-    ----------
-    failures
-        Where it is kept what cannot be used.
+    - `failures`: where it is kept what cannot be used.
     """
 
     def __init__(self, failures: PluginFailures) -> None:

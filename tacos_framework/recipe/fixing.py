@@ -13,20 +13,13 @@ Path = tuple[str | int, ...]
 def fix_variable(data: dict[str, Any], name: str, value: Any, where: str) -> tuple[list[Path], list[Fault]]:
     """Fix a variable of a recipe's plain data, which is changed.
 
-    Parameters
-    ----------
-    data
-        The recipe; its ``design`` is a mapping.
-    name
-        ``pitch_deg``, ``isp.gamma``, ``effects.jpeg.quality``, ``scenario.gain_db``,
-        ``exposure.target``.
-    where
-        What to call the place in faults.
+    - `data`: the recipe; its ``design`` is a mapping.
+    - `name`: ``pitch_deg``, ``isp.gamma``, ``effects.jpeg.quality``, ``scenario.gain_db``,
+      ``exposure.target``.
+    - `where`: what to call the place in faults.
 
-    Returns
-    -------
-    Where the value stands now. A variable that has no place of its own, as a setting of one camera, stays
-    under ``design:``, with nothing to choose from but the value.
+    Returns: where the value stands now. A variable that has no place of its own, as a setting of one camera,
+    stays under ``design:``, with nothing to choose from but the value.
     """
     design = data["design"]
     if not [other for other in design if other != name]:

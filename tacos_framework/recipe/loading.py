@@ -73,26 +73,15 @@ def read_any_recipe(
 ) -> tuple[Recipe | ProcedureRecipe, list[Fault]]:
     """Read the recipe of a study or of a procedure.
 
-    Parameters
-    ----------
-    name
-        Path of the file, name of a shipped recipe, or what such a file would hold.
-    sets
-        Dotted keys and the values to put there (``--set``).
-    effects
-        Effects to add (``--with``).
-    places
-        Where their entries stand, by index and path: ``more.yaml:2:5``.
+    - `name`: path of the file, name of a shipped recipe, or what such a file would hold.
+    - `sets`: dotted keys and the values to put there (``--set``).
+    - `effects`: effects to add (``--with``).
+    - `places`: where their entries stand, by index and path: ``more.yaml:2:5``.
 
-    Returns
-    -------
-    The recipe, and the faults of its form. Where there are faults the recipe holds what could be
+    Returns: the recipe, and the faults of its form. Where there are faults the recipe holds what could be
     understood, so that further checks can find further faults; it must not be run.
 
-    Raises
-    ------
-    UserError
-        When there is no such file, or it cannot be read as YAML at all.
+    Raises `UserError` when there is no such file, or it cannot be read as YAML at all.
     """
     document = _as_document(name) if isinstance(name, Mapping) else read_yaml_draft(find_recipe(name))
     read = procedure_from if is_procedure(document) else recipe_from

@@ -28,21 +28,13 @@ def with_overrides(
 ) -> tuple[Document, list[Fault]]:
     """The document of a recipe with values set and effects added.
 
-    Parameters
-    ----------
-    document
-        A recipe; a mapping. Its data is changed.
-    sets
-        Dotted keys such as ``nodes.world.frames`` or ``fitness.0.weight``, and the values to put there. A
-        plain value for a design variable, ``design.pitch_deg``, fixes it.
-    effects
-        Effects to add to its ``effects:``.
-    places
-        Where entries of these stand, by the number of the effect and the path below it.
+    - `document`: a recipe; a mapping. Its data is changed.
+    - `sets`: dotted keys such as ``nodes.world.frames`` or ``fitness.0.weight``, and the values to put there.
+      A plain value for a design variable, ``design.pitch_deg``, fixes it.
+    - `effects`: effects to add to its ``effects:``.
+    - `places`: where entries of these stand, by the number of the effect and the path below it.
 
-    Returns
-    -------
-    The document, which names the option where a value came from one, and faults of the keys.
+    Returns: the document, which names the option where a value came from one, and faults of the keys.
     """
     data = document.data
     faults: list[Fault] = []

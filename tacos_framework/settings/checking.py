@@ -32,20 +32,12 @@ def check(
 
     Strictly means: text is not taken for a number, a number not for a switch; lists do stand for tuples.
 
-    Parameters
-    ----------
-    kind
-        A `Settings` class, or any type pydantic understands.
-    raw
-        Data as YAML gives it.
-    where
-        Turns the path of a value below `raw` into file, line and column.
-    name
-        What `raw` is called in messages, when it is not the top.
+    - `kind`: a `Settings` class, or any type pydantic understands.
+    - `raw`: data as YAML gives it.
+    - `where`: turns the path of a value below `raw` into file, line and column.
+    - `name`: what `raw` is called in messages, when it is not the top.
 
-    Returns
-    -------
-    The checked value (None when there are faults), all faults, and the paths of the faulty values.
+    Returns: the checked value (None when there are faults), all faults, and the paths of the faulty values.
     """
     adapter = TypeAdapter(kind)
     try:

@@ -49,26 +49,15 @@ def setting(
 ) -> Any:
     """Declare one setting.
 
-    Parameters
-    ----------
-    default
-        The default value; leave out for a setting the user must give.
-    help
-        One sentence that says what the setting does.
-    unit
-        Its unit (``"m"``, ``"deg"``); ``"1"`` for a plain number, a name or a switch.
-    is_path
-        Whether text given for it may be a path; a recipe's relative paths start from its own folder.
-    averaging
-        For the spread of something: what in it is independent. Binning then makes it smaller.
-    with_pedestal
-        For a level in digital numbers: whether it includes the pedestal.
-    period
-        For an angle: after how much it means the same again. Estimates are given from 0 to it.
-    also
-        What others call it, words in lower case: whoever writes one of them is told this name.
-    bounds
-        pydantic's ``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``max_length``, ``alias``.
+    - `default`: the default value; leave out for a setting the user must give.
+    - `help`: one sentence that says what the setting does.
+    - `unit`: its unit (``"m"``, ``"deg"``); ``"1"`` for a plain number, a name or a switch.
+    - `is_path`: whether text given for it may be a path; a recipe's relative paths start from its own folder.
+    - `averaging`: for the spread of something: what in it is independent. Binning then makes it smaller.
+    - `with_pedestal`: for a level in digital numbers: whether it includes the pedestal.
+    - `period`: for an angle: after how much it means the same again. Estimates are given from 0 to it.
+    - `also`: what others call it, words in lower case: whoever writes one of them is told this name.
+    - `bounds`: pydantic's ``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``max_length``, ``alias``.
     """
     extra: dict[str, JsonValue] = {"unit": unit}
     if is_path:
@@ -90,16 +79,11 @@ def physical(of: str, *, help: str, unit: str, **bounds: Any) -> Any:
     A length on the sensor in um means the same for every pitch, a charge in e- for every gain, where pixels
     and digital numbers are those of one camera. The two exclude each other.
 
-    Parameters
-    ----------
-    of
-        The setting in pixels (``px``) or digital numbers (``DN``, ``DN/s``) that it stands for.
-    help
-        One sentence that says what it does.
-    unit
-        ``um`` or ``deg/s`` for pixels, ``e-`` for DN, ``e-/s`` for DN/s, ``of full scale`` for DN of a file.
-    bounds
-        As of :func:`setting`.
+    - `of`: the setting in pixels (``px``) or digital numbers (``DN``, ``DN/s``) that it stands for.
+    - `help`: one sentence that says what it does.
+    - `unit`: ``um`` or ``deg/s`` for pixels, ``e-`` for DN, ``e-/s`` for DN/s, ``of full scale`` for DN of a
+      file.
+    - `bounds`: as of :func:`setting`.
     """
     extra: dict[str, JsonValue] = {"unit": unit, "physical_of": of}
     return Field(None, description=help, json_schema_extra=extra, **bounds)

@@ -42,19 +42,11 @@ _REMEDIES = {
 def read_yaml(source: Path | str, name: str | None = None, *, aliases: bool = False) -> Document:
     """Read a YAML file (`pathlib.Path`) or text (`str`).
 
-    Parameters
-    ----------
-    source
-        The file or the text itself.
-    name
-        What to call it in messages; the path, or ``"text"``, when left out.
-    aliases
-        Whether aliases stand for what they name, as programs write what they hold twice.
+    - `source`: the file or the text itself.
+    - `name`: what to call it in messages; the path, or ``"text"``, when left out.
+    - `aliases`: whether aliases stand for what they name, as programs write what they hold twice.
 
-    Raises
-    ------
-    UserError
-        With every fault that can be found in one pass.
+    Raises `UserError` with every fault that can be found in one pass.
     """
     document = read_yaml_draft(source, name, aliases=aliases)
     if document.faults:

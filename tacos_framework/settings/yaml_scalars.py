@@ -1,8 +1,6 @@
 """Unquoted text of YAML as values: the core schema of YAML 1.2, without NaN and infinities.
 
-References
-----------
-YAML 1.2.2 core schema: https://yaml.org/spec/1.2.2/#103-core-schema
+Source: YAML 1.2.2 core schema: https://yaml.org/spec/1.2.2/#103-core-schema
 """
 
 from __future__ import annotations

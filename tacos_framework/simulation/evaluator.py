@@ -17,13 +17,10 @@ Result = TypeVar("Result")
 class Evaluator:
     """Runs jobs in a simulation of its own. Can be pickled; the simulation is built where it is first used.
 
-    Parameters
-    ----------
-    study
-        What to simulate: a recipe, or its plan, whose components this process then uses as they were checked.
-    plugins
-        The host's plugins; None discovers the installed ones. Other processes discover them anew and
-        register the modules that were registered by hand.
+    - `study`: what to simulate: a recipe, or its plan, whose components this process then uses as they were
+      checked.
+    - `plugins`: the host's plugins; None discovers the installed ones. Other processes discover them anew and
+      register the modules that were registered by hand.
     """
 
     def __init__(self, study: Recipe | Plan, plugins: Plugins | None = None):

@@ -35,10 +35,7 @@ KEPT_BYTES = 2**30
 class Simulation:
     """A plan brought to life: components built once, worlds kept while they are used.
 
-    Parameters
-    ----------
-    store
-        Keeps episodes for other processes and studies.
+    - `store`: keeps episodes for other processes and studies.
     """
 
     def __init__(self, plan: Plan, store: EpisodeStore | None = None):

@@ -39,20 +39,12 @@ def train(
 ) -> tuple[State, int]:
     """Train a task on frames of a candidate.
 
-    Parameters
-    ----------
-    contexts
-        The candidate in each scenario, which take turns batch by batch.
-    state
-        What the task has learned so far.
-    spec
-        The episode to learn from; its length is the task's own.
-    rendered
-        Its first frames, where they were rendered ahead (`rendered_ahead`).
+    - `contexts`: the candidate in each scenario, which take turns batch by batch.
+    - `state`: what the task has learned so far.
+    - `spec`: the episode to learn from; its length is the task's own.
+    - `rendered`: its first frames, where they were rendered ahead (`rendered_ahead`).
 
-    Returns
-    -------
-    The new state, and how many images were rendered, those ahead included.
+    Returns: the new state, and how many images were rendered, those ahead included.
     """
     context = contexts[0]
     settings = context.plan.recipe.nodes[task].train

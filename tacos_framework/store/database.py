@@ -46,12 +46,8 @@ class Database:
     Raises `UserError` when it is no regular file, no database of a run, of another version, or cannot be
     read. Raises `OSError` or `sqlite3.Error` when it cannot be written.
 
-    Parameters
-    ----------
-    path
-        Its file; created where it is missing, unless it is only read.
-    read_only
-        Whether nothing is written, which needs no permission to.
+    - `path`: its file; created where it is missing, unless it is only read.
+    - `read_only`: whether nothing is written, which needs no permission to.
     """
 
     def __init__(self, path: Path, *, read_only: bool = False) -> None:

@@ -49,10 +49,7 @@ class LogFile(logging.FileHandler):
 
     Raises `OSError` when it cannot be opened.
 
-    Parameters
-    ----------
-    path
-        The file, to which is appended.
+    - `path`: the file, to which is appended.
     """
 
     def __init__(self, path: Path) -> None:

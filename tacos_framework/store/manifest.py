@@ -50,21 +50,12 @@ class Manifest(BaseModel):
 def settle_manifest(results: Results, now: Manifest, *, accept_changes: bool, begun: bool) -> Manifest:
     """Write the manifest of a run that begins, or hold one that goes on against what is there now.
 
-    Parameters
-    ----------
-    results
-        The folder of the run.
-    now
-        What the run depends on as of now.
-    accept_changes
-        Go on although something has changed; the manifest then says what.
-    begun
-        Whether the run has been going on already, so that a manifest must be there.
+    - `results`: the folder of the run.
+    - `now`: what the run depends on as of now.
+    - `accept_changes`: go on although something has changed; the manifest then says what.
+    - `begun`: whether the run has been going on already, so that a manifest must be there.
 
-    Raises
-    ------
-    UserError
-        With a fault for each change, where these are not accepted.
+    Raises `UserError` with a fault for each change, where these are not accepted.
     """
     data = results.read_json(MANIFEST)
     path = results.folder / MANIFEST

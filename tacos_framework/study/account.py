@@ -13,10 +13,7 @@ log = logging.getLogger(__name__)
 class Account:
     """Adds up the time of evaluations, and tells of failures.
 
-    Parameters
-    ----------
-    observers
-        Told of each candidate that failed.
+    - `observers`: told of each candidate that failed.
     """
 
     def __init__(self, observers: Observers) -> None:

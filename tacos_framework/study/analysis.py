@@ -25,20 +25,12 @@ def make_record(
 ) -> StudyRecord:
     """The record of a study, for analyses.
 
-    Parameters
-    ----------
-    searches
-        That of the designed camera first.
-    lines
-        The generations of all searches, as the results folder has them.
-    test
-        What came out on the test scenes; None where the recipe has none.
-    failed
-        Cameras of which no candidate could be scored, and why in a sentence.
-    score
-        Scores plain values on so many fresh episodes.
-    degenerate
-        Why no winner may be named, in a sentence; None where one may.
+    - `searches`: that of the designed camera first.
+    - `lines`: the generations of all searches, as the results folder has them.
+    - `test`: what came out on the test scenes; None where the recipe has none.
+    - `failed`: cameras of which no candidate could be scored, and why in a sentence.
+    - `score`: scores plain values on so many fresh episodes.
+    - `degenerate`: why no winner may be named, in a sentence; None where one may.
     """
     designed = searches[0]
     titles = {camera.name: camera.title for camera in plan.cameras}

@@ -24,10 +24,7 @@ grow with the study, so that one after each generation would take a time that gr
 class Checkpoints:
     """Writes checkpoints, and takes a study up from one.
 
-    Parameters
-    ----------
-    line_files
-        The files that get a line for each generation.
+    - `line_files`: the files that get a line for each generation.
     """
 
     def __init__(self, results: Results, journal: Journal, line_files: Sequence[str]) -> None:

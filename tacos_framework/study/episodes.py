@@ -9,16 +9,10 @@ from tacos_framework.simulation import EpisodeSpec
 def scored_episodes(recipe: Recipe, purpose: str, count: int, generation: int) -> tuple[EpisodeSpec, ...]:
     """Episodes to score the candidates of a generation on; the place in them is the number of an episode.
 
-    Parameters
-    ----------
-    recipe
-        Says into how many blocks each is cut, and whether generations see other episodes.
-    purpose
-        What they are for: other purposes are other episodes.
-    count
-        How many; each gives as many specs as there are blocks.
-    generation
-        The generation, counted from 0.
+    - `recipe`: says into how many blocks each is cut, and whether generations see other episodes.
+    - `purpose`: what they are for: other purposes are other episodes.
+    - `count`: how many; each gives as many specs as there are blocks.
+    - `generation`: the generation, counted from 0.
     """
     era = generation if recipe.study.renew_episodes == "each_generation" else 0
     blocks = recipe.study.blocks

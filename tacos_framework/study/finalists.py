@@ -27,17 +27,11 @@ def rescore_finalists(
 
     A search alone may have one finalist and one world to see it in, which leaves all workers but one idle.
 
-    Parameters
-    ----------
-    searches
-        Those whose finalists are scored already are left as they are.
-    on_counted
-        Told how many there are to score, if any, before the first.
-    on_evaluated
-        Told each evaluation as it comes.
-    tested
-        Whether a test scores the best of each search, on more episodes. The only finalist there is, is then
-        the best without more ado.
+    - `searches`: those whose finalists are scored already are left as they are.
+    - `on_counted`: told how many there are to score, if any, before the first.
+    - `on_evaluated`: told each evaluation as it comes.
+    - `tested`: whether a test scores the best of each search, on more episodes. The only finalist there is,
+      is then the best without more ado.
     """
     ended, jobs = [], []
     for search in searches:

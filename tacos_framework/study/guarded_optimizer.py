@@ -23,10 +23,7 @@ class GuardedOptimizer:
 
     Raises `ContractBroken` from any method, where the optimizer gives what its contract rules out.
 
-    Parameters
-    ----------
-    problem
-        What it is told of the problem, if it asks for it.
+    - `problem`: what it is told of the problem, if it asks for it.
     """
 
     def __init__(

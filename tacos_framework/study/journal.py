@@ -32,10 +32,7 @@ class Journal:
     An evaluation follows from its job alone, so it does not matter in which order a resumed study asks for
     jobs again, or whether it asks for all of them: what is not in the journal is evaluated.
 
-    Parameters
-    ----------
-    seconds
-        Gives the time the study has taken so far [s], which is kept with each.
+    - `seconds`: gives the time the study has taken so far [s], which is kept with each.
     """
 
     def __init__(self, results: Results, seconds: Callable[[], float]) -> None:
@@ -107,10 +104,7 @@ class Journal:
 class JournaledExecutor:
     """An executor that does not run again what the journal has, and has the journal told of all it runs.
 
-    Parameters
-    ----------
-    journal
-        What is known, and where what comes out is written down.
+    - `journal`: what is known, and where what comes out is written down.
     """
 
     Config: ClassVar[type[Settings]] = Settings

@@ -35,9 +35,7 @@ def share_between(scores: NDArray[np.float64]) -> float:
     Scenes count as random and their mean is taken out, as comparisons are paired: a two-way analysis of
     variance without repetition, with the moments of its mean squares.
 
-    References
-    ----------
-    Searle, Casella, McCulloch 1992, "Variance components", Sec. 4.3.
+    Source: Searle, Casella, McCulloch 1992, "Variance components", Sec. 4.3.
 
     Examples
     --------

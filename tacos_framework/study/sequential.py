@@ -104,15 +104,10 @@ def compared(
 ) -> PairedInterval:
     """Decision of paired differences so far.
 
-    Parameters
-    ----------
-    differences
-        Of each scene seen, one camera's fitness minus the other's.
-    error
-        Share of studies in which this interval may miss the truth: what the look may spend, of which each of
-        several products has its part.
-    margin
-        Differences up to this do not matter [fitness].
+    - `differences`: of each scene seen, one camera's fitness minus the other's.
+    - `error`: share of studies in which this interval may miss the truth: what the look may spend, of which
+      each of several products has its part.
+    - `margin`: differences up to this do not matter [fitness].
 
     Examples
     --------

@@ -25,10 +25,7 @@ class BuildingAhead:
     round ends with its last real job, and what was not begun then is offered again in a later round, a few
     times.
 
-    Parameters
-    ----------
-    worlds
-        The episodes whose worlds are needed; none leaves everything as it is.
+    - `worlds`: the episodes whose worlds are needed; none leaves everything as it is.
     """
 
     Config: ClassVar[type[Settings]] = Settings

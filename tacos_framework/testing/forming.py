@@ -37,16 +37,10 @@ def expose(
 ) -> FrameBatch:
     """Frames of a capture by a sensor, with effects of any stage at their places.
 
-    Parameters
-    ----------
-    capture
-        What a renderer gave.
-    effects
-        See `placed`.
-    exposure
-        That of `sample_exposure` unless given.
-    seed
-        Of the study; frames are drawn by their number in the episode.
+    - `capture`: what a renderer gave.
+    - `effects`: see `placed`.
+    - `exposure`: that of `sample_exposure` unless given.
+    - `seed`: of the study; frames are drawn by their number in the episode.
     """
     formation = ImageFormation(exposure or sample_exposure(), tuple(effects))
     draws = EpisodeDraws(seed, ("sample",))

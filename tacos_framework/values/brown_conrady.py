@@ -18,9 +18,7 @@ Points = tuple[NDArray[np.float64], NDArray[np.float64]]
 class BrownConrady(NamedTuple):
     """Coefficients of Brown and Conrady's model over powers of the tangent [1].
 
-    References
-    ----------
-    Brown 1971, "Close-range camera calibration", Photogrammetric Engineering 37(8); OpenCV, calib3d.
+    Source: Brown 1971, "Close-range camera calibration", Photogrammetric Engineering 37(8); OpenCV, calib3d.
     """
 
     k1: float = 0.0

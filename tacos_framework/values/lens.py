@@ -39,10 +39,8 @@ class Lens:
 
     All begin as r = t, so a focal length means the same to each: pixels per radian on the axis.
 
-    References
-    ----------
-    Kannala and Brandt 2006, "A generic camera model and calibration method", IEEE Trans. PAMI 28(8); Ray
-    2002, "Applied photographic optics", on the other projections of fisheyes.
+    Sources: Kannala and Brandt 2006, "A generic camera model and calibration method", IEEE Trans. PAMI 28(8);
+    Ray 2002, "Applied photographic optics", on the other projections of fisheyes.
 
     Examples
     --------

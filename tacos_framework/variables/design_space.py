@@ -35,10 +35,8 @@ __all__ = [
 class DesignSpace:
     """The variables of a study, and the genes an optimizer sees.
 
-    Parameters
-    ----------
-    variables
-        In the order in which their genes stand; none at all is allowed (a product that leaves nothing free).
+    - `variables`: in the order in which their genes stand; none at all is allowed (a product that leaves
+      nothing free).
 
     Examples
     --------

@@ -27,16 +27,12 @@ class Gradient:
     It needs no target level: a small bright window does not darken the room before it. What is asked is
     given as exposure time first, and as gain where the time is at its limit.
 
-    References
-    ----------
-    Shim, Lee, Kweon 2014, "Auto-adjusting camera exposure for outdoor robotics using gradient information",
-    IROS. The authors give lambda = 1000 and sigma = 0.06; frames here are linear, where dark gradients are
-    smaller, hence the default for sigma.
+    Source: Shim, Lee, Kweon 2014, "Auto-adjusting camera exposure for outdoor robotics using gradient
+    information", IROS. The authors give lambda = 1000 and sigma = 0.06; frames here are linear, where dark
+    gradients are smaller, hence the default for sigma.
     """
 
     class Config(ExposureLimits):
-        """Settings of the control."""
-
         gain: float = setting(
             0.8, help="How far each frame follows (K): large is quick, and may swing.", gt=0, le=2
         )

@@ -31,8 +31,6 @@ class MeanLevel:
     """
 
     class Config(ExposureLimits):
-        """Settings of the control."""
-
         target: float = setting(0.2, help="Mean level to aim for, as a share of full scale.", gt=0, lt=1)
         lag_frames: float = setting(
             2.0,

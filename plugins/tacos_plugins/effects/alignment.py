@@ -78,9 +78,7 @@ def aligned(
     `fixed`, `moving`: (H, W) float32 of any unit, of like range. `valid`: (H, W) where `moving` counts;
     everywhere if None.
 
-    References
-    ----------
-    Evangelidis & Psarakis 2008, "Parametric image alignment using enhanced correlation coefficient
+    Source: Evangelidis & Psarakis 2008, "Parametric image alignment using enhanced correlation coefficient
     maximization", IEEE PAMI 30(10).
     """
     import cv2

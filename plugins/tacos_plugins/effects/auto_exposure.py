@@ -41,8 +41,6 @@ class AutoExposure:
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         target_mlx_s: float | None = setting(
             None,
             help="Mean focal-plane exposure to aim for; without it `strength` counts. A white wall fills an "
@@ -143,19 +141,11 @@ def followed_from(
 ) -> NDArray[np.float64]:
     """Factors that follow wanted ones with a lag, exponentially in stops.
 
-    Parameters
-    ----------
-    before
-        That of the frame before; None at the first of an episode, which is settled [1].
-    wanted
-        (N,) factors, above 0 [1].
-    lag_frames
-        Frames after which a step is followed to 63 % [frame].
+    - `before`: that of the frame before; None at the first of an episode, which is settled [1].
+    - `wanted`: (N,) factors, above 0 [1].
+    - `lag_frames`: frames after which a step is followed to 63 % [frame].
 
-    Returns
-    -------
-    NDArray
-        (N,) float64 [1].
+    Returns: (N,) float64 [1].
 
     Examples
     --------

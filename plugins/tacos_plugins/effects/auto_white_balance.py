@@ -30,8 +30,6 @@ class AutoWhiteBalance:
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         red_first: float = setting(
             1.0, help="Gain of red in the first frame, over the settled.", gt=0, le=100
         )

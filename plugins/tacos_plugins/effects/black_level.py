@@ -32,8 +32,6 @@ class BlackLevel:
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         offset_dn: float = setting(
             0.0, help="Actual minus believed pedestal.", unit="DN", ge=-65535, le=65535
         )

@@ -2,9 +2,7 @@
 
 Least squares over corners finds in milliseconds what steps from a pinhole do not reach: barrels, fisheyes.
 
-References
-----------
-Zhang 2000, "A flexible new technique for camera calibration", IEEE Trans. PAMI 22(11).
+Source: Zhang 2000, "A flexible new technique for camera calibration", IEEE Trans. PAMI 22(11).
 """
 
 from __future__ import annotations
@@ -46,16 +44,10 @@ def calibrated(
 ) -> Calibration | None:
     """The lens that explains views of boards best; None without views, or where none was found.
 
-    Parameters
-    ----------
-    captures
-        Those with `corners` are used.
-    terms
-        Radial coefficients, 0 to 3; the others are 0.
-    free
-        focal_length and principal_point where they are not those of the captures' geometry.
-    fisheye
-        OpenCV's fisheye model in place of Brown and Conrady's.
+    - `captures`: those with `corners` are used.
+    - `terms`: radial coefficients, 0 to 3; the others are 0.
+    - `free`: focal_length and principal_point where they are not those of the captures' geometry.
+    - `fisheye`: OpenCV's fisheye model in place of Brown and Conrady's.
     """
     boards = _Boards.of(captures)
     if boards is None or not all(capture.geometry.lens.is_pinhole for capture in captures):

@@ -3,9 +3,7 @@
 Each is measured in parts of the picture, or of the captures, that know nothing of each other; their scatter
 is the standard error.
 
-References
-----------
-EMVA 1288, release 4.0; Janesick 2007, "Photon Transfer".
+Source: EMVA 1288, release 4.0; Janesick 2007, "Photon Transfer".
 """
 
 from __future__ import annotations

@@ -34,14 +34,10 @@ class ColourMatrix:
 
     It acts on noisy samples and so correlates the noise of the channels: S becomes M S M^T.
 
-    References
-    ----------
-    Ramanath et al. 2005, "Color image processing pipeline", IEEE Signal Processing Magazine 22(1).
+    Source: Ramanath et al. 2005, "Color image processing pipeline", IEEE Signal Processing Magazine 22(1).
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         matrix: Matrix = setting(
             IDENTITY, help="Rows give red, green and blue of the output; each sums to 1."
         )

@@ -21,14 +21,10 @@ class ConversionGainError:
     measured in digital numbers in the dark. The sensor draws the noise: the effect changes no sample itself,
     and the sensor is told the product of all `photon_scale`.
 
-    References
-    ----------
-    EMVA 1288, release 4.0: the photon-transfer method, var = K^2 var_d + K (mean - mean_dark).
+    Source: EMVA 1288, release 4.0: the photon-transfer method, var = K^2 var_d + K (mean - mean_dark).
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         scale: float = setting(
             1.0,
             help="Actual over believed conversion gain: factor on the slope of variance over mean.",

@@ -38,15 +38,11 @@ class Crosstalk:
     before the noise leaves it white. Light and charge that stray before they are counted are blur of that
     kind, so not this effect.
 
-    References
-    ----------
-    Moore, Ninkov & Forrest 2006, "Quantum efficiency overestimation and deterministic cross talk resulting
-    from interpixel capacitance", Optical Engineering 45(7).
+    Source: Moore, Ninkov & Forrest 2006, "Quantum efficiency overestimation and deterministic cross talk
+    resulting from interpixel capacitance", Optical Engineering 45(7).
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         share: float = setting(
             0.0, help="Share of a photosite's signal that goes to each neighbour.", ge=0, le=_MOST
         )

@@ -51,14 +51,10 @@ class DarkCurrent:
     1288 shows in logarithmic histograms. Rates in DN are those at the gain in use. A binned pixel averages as
     many hot photosites as chance has put there.
 
-    References
-    ----------
-    EMVA 1288, release 4.0: dark current, and logarithmic histograms of defect pixels.
+    Source: EMVA 1288, release 4.0: dark current, and logarithmic histograms of defect pixels.
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         rate_dn_s: float = setting(
             0.0, help="Dark signal of every pixel per second.", unit="DN/s", ge=0, le=1e6
         )

@@ -35,15 +35,11 @@ class DefectLines:
     whatever the light. Which lines are bad belongs to the sensor: with a larger share those of a smaller one
     stay bad. A binned pixel averages its good photosites with the bad ones.
 
-    References
-    ----------
-    EMVA 1288, release 4.0: defect pixels. ISO 22534 and camera makers' data sheets count line defects
+    Source: EMVA 1288, release 4.0: defect pixels. ISO 22534 and camera makers' data sheets count line defects
     separately: a pattern that all lines share a little of is DSNU.
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         column_share: float = setting(
             0.0, help="Share of the columns that are bad; a thousandth is a poor sensor.", ge=0, le=1
         )

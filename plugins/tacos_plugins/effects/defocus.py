@@ -48,15 +48,11 @@ class Defocus:
     that pixels hold. Where depth decides, layers are masks that may not be negative, and each pixel gets its
     share of a disc: below two pixels that leaves too much contrast near the Nyquist frequency.
 
-    References
-    ----------
-    Potmesil and Chakravarty 1981, "A lens and aperture camera model for synthetic image generation",
+    Source: Potmesil and Chakravarty 1981, "A lens and aperture camera model for synthetic image generation",
     SIGGRAPH: the circle of confusion.
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         radius_px: float = setting(
             0.0, help="Radius of the disc all over the image.", unit="px", ge=0, le=100
         )

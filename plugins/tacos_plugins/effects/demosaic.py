@@ -24,14 +24,10 @@ class Demosaic:
     sensors that bin within a colour. Where blocks of the camera's pixels are simulated as one, colours were
     reconstructed before they were averaged: it is off then, and the sensor gives the averages their noise.
 
-    References
-    ----------
-    Li, Gunturk & Zhang 2008, "Image demosaicing: a systematic survey", Proc. SPIE 6822.
+    Source: Li, Gunturk & Zhang 2008, "Image demosaicing: a systematic survey", Proc. SPIE 6822.
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         method: Literal["none", "bilinear", "gradient-corrected", "edge-aware"] = setting(
             "none", help="How missing colours are reconstructed; none leaves the full colour of every pixel."
         )

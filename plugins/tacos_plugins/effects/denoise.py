@@ -46,15 +46,11 @@ class Denoise:
     The window counts pixels of the image it is given: at another binning the filter is another one, as is
     that of a camera whose processing follows the binning.
 
-    References
-    ----------
-    Lee 1980, "Digital image enhancement and noise filtering by use of local statistics", IEEE Trans. PAMI
-    2(2). Immerkaer 1996, "Fast noise variance estimation", CVIU 64(2): noise where there is texture.
+    Sources: Lee 1980, "Digital image enhancement and noise filtering by use of local statistics", IEEE Trans.
+    PAMI 2(2). Immerkaer 1996, "Fast noise variance estimation", CVIU 64(2): noise where there is texture.
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         strength: float = setting(
             0.0,
             help="Variance taken for noise over that found; 1 is the Wiener filter.",

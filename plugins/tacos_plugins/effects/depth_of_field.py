@@ -28,21 +28,12 @@ def signed_radius(
 
     with the aperture A, the distance of focus s and the depth Z.
 
-    Parameters
-    ----------
-    depth_m
-        (...) depth Z, infinite where nothing is [m].
-    geometry
-        Gives the focal length f and the pixel pitch.
-    f_number
-        N [1].
-    focus_m
-        s; taken as just beyond the focal length where it is nearer [m].
+    - `depth_m`: (...) depth Z, infinite where nothing is [m].
+    - `geometry`: gives the focal length f and the pixel pitch.
+    - `f_number`: N [1].
+    - `focus_m`: s; taken as just beyond the focal length where it is nearer [m].
 
-    Returns
-    -------
-    NDArray
-        Same shape, within `LARGEST_RADIUS_PX` [px].
+    Returns: same shape, within `LARGEST_RADIUS_PX` [px].
 
     Examples
     --------

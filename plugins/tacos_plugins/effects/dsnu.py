@@ -48,14 +48,10 @@ class Dsnu:
     The patterns p and q have mean 0 and variance 1 and belong to the sensor: they repeat in every frame, with
     the cap on too. All channels of a column share its amplifier.
 
-    References
-    ----------
-    EMVA 1288, release 4.0: DSNU1288 and its column component.
+    Source: EMVA 1288, release 4.0: DSNU1288 and its column component.
     """
 
     class Config(PatternSettings):
-        """Settings of the effect."""
-
         sigma_dn: float = setting(
             0.0,
             help="Spread of the photosites' offsets.",

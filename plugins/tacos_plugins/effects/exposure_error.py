@@ -20,8 +20,6 @@ class ExposureError:
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         scale: float = setting(1.0, help="Real over believed exposure.", gt=0, le=100)
 
     stage: ClassVar[Stage] = "exposure"

@@ -35,16 +35,10 @@ def pixel_pattern(
 ) -> NDArray[np.float32]:
     """(H, W, C) numbers of mean 0 and variance 1, one for each photosite of an image.
 
-    Parameters
-    ----------
-    name
-        What the pattern is for; patterns of different names are independent.
-    config
-        The seed, or a measured map.
-    geometry
-        Where the image lies on the sensor: a crop shows its part of the pattern.
-    channels
-        Number of channels C; each has photosites of its own.
+    - `name`: what the pattern is for; patterns of different names are independent.
+    - `config`: the seed, or a measured map.
+    - `geometry`: where the image lies on the sensor: a crop shows its part of the pattern.
+    - `channels`: number of channels C; each has photosites of its own.
     """
     if config.map is not None:
         full = _measured(config.map, geometry.full_height_px, geometry.full_width_px, channels)

@@ -25,8 +25,6 @@ class Flicker:
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         depth: float = setting(0.0, help="Height of the wave over the mean.", ge=0, le=1)
         period_rows: float = setting(
             200.0, help="Rows read out in one period of the light.", unit="row", ge=2, le=1e6
@@ -70,19 +68,11 @@ def lamp_wave(
 ) -> NDArray[np.float64]:
     """The factor on the light of each row.
 
-    Parameters
-    ----------
-    depth
-        Height of the wave over the mean, in a row of photosites [1].
-    period_rows
-        Rows of the image in one period [row].
-    phase_rad
-        (N,) phase in the sensor's row 0 [rad].
+    - `depth`: height of the wave over the mean, in a row of photosites [1].
+    - `period_rows`: rows of the image in one period [row].
+    - `phase_rad`: (N,) phase in the sensor's row 0 [rad].
 
-    Returns
-    -------
-    NDArray
-        (N, H, 1) float64 [1].
+    Returns: (N, H, 1) float64 [1].
 
     Examples
     --------

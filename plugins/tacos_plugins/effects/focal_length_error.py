@@ -41,8 +41,6 @@ class FocalLengthError:
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         scale: float = setting(1.0, help="Real over believed focal length.", ge=0.2, le=5)
         dx_px: float = setting(
             0.0, help="Real minus believed principal point, to the right.", unit="px", ge=-1e4, le=1e4

@@ -34,8 +34,6 @@ class IlluminationGradient:
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         gx: float = setting(0.0, help="Rise from the left to the right edge.", unit="1/width", ge=-2, le=2)
         gy: float = setting(0.0, help="Rise from the top to the bottom edge.", unit="1/height", ge=-2, le=2)
 

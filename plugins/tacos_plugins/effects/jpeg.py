@@ -30,14 +30,10 @@ class Jpeg:
     The blocks of 8 x 8 are pixels of the image it is given, binned or not: the file of a binned camera is
     coded after the binning.
 
-    References
-    ----------
-    ITU-T T.81 (1992), baseline process, as libjpeg scales its tables by quality.
+    Source: ITU-T T.81 (1992), baseline process, as libjpeg scales its tables by quality.
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         quality: int = setting(
             100, help="Quality as libjpeg counts it; 100 switches the effect off.", ge=1, le=100
         )

@@ -21,14 +21,10 @@ class LateralChromaticAberration:
     r runs over half the sensor's diagonal. Within a channel all light is treated alike, and mono images
     stay as they are, though a real lens blurs them a little towards the corners.
 
-    References
-    ----------
-    Kang 2007, "Automatic removal of chromatic aberration from a single image", CVPR.
+    Source: Kang 2007, "Automatic removal of chromatic aberration from a single image", CVPR.
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         red: float = setting(0.0, help="c of red; 0.0003 is usual.", ge=-_LARGEST, le=_LARGEST)
         blue: float = setting(0.0, help="c of blue.", ge=-_LARGEST, le=_LARGEST)
         red_r2: float = setting(0.0, help="b of red.", ge=-_LARGEST, le=_LARGEST)

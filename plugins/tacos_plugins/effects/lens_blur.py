@@ -38,14 +38,10 @@ class LensBlur:
     1 + growth times as large at r = 1. Given a wavelength, the light also passes a round aperture of the
     exposure's f-number: an Airy pattern, alike all over the field.
 
-    References
-    ----------
-    Goodman 2005, "Introduction to Fourier Optics", Sec. 6.3: the transfer of a round aperture.
+    Source: Goodman 2005, "Introduction to Fourier Optics", Sec. 6.3: the transfer of a round aperture.
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         sigma_px: float = setting(0.0, help="Standard deviation on the axis.", unit="px", ge=0, le=50)
         sigma_um: float | None = physical(
             "sigma_px",

@@ -48,15 +48,11 @@ class LensDistortion:
     are moved along. Tasks that take the camera for a pinhole feel the distortion, as an uncalibrated camera
     makes them.
 
-    References
-    ----------
-    Brown 1971, "Close-range camera calibration", Photogrammetric Engineering 37(8); for ``fisheye`` Kannala
-    and Brandt 2006, IEEE Trans. PAMI 28(8).
+    Sources: Brown 1971, "Close-range camera calibration", Photogrammetric Engineering 37(8); for ``fisheye``
+    Kannala and Brandt 2006, IEEE Trans. PAMI 28(8).
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         model: Literal["brown", "fisheye"] = setting(
             "brown", help="OpenCV's model: powers of the tangent, or of the angle (without k4, p1 and p2)."
         )

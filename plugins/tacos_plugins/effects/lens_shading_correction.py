@@ -20,15 +20,11 @@ class LensShadingCorrection:
     It acts on noisy samples: signal and noise rise together, so the variance over the mean rises towards
     the corners, where that of a darker or lighter lens would stay.
 
-    References
-    ----------
-    Young 2000, "Shading correction: compensation for illumination and sensor inhomogeneities", Current
-    Protocols in Cytometry.
+    Source: Young 2000, "Shading correction: compensation for illumination and sensor inhomogeneities",
+    Current Protocols in Cytometry.
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         k1: float = setting(0.0, help="Coefficient of r^2; 0.5 to 3 for a small lens.", ge=-10, le=100)
         k2: float = setting(0.0, help="Coefficient of r^4.", ge=-100, le=100)
 

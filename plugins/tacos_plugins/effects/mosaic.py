@@ -53,10 +53,8 @@ def bilinear(plane: Plane, cfa: str) -> NDArray[np.floating]:
 def gradient_corrected(plane: Plane, cfa: str) -> NDArray[np.floating]:
     """(H, W, 3): bilinear, corrected by the curvature of the colour that is known.
 
-    References
-    ----------
-    Malvar, He & Cutler 2004, "High-quality linear interpolation for demosaicing of Bayer-patterned color
-    images", ICASSP: the 5 x 5 filters of fig. 2.
+    Source: Malvar, He & Cutler 2004, "High-quality linear interpolation for demosaicing of Bayer-patterned
+    color images", ICASSP: the 5 x 5 filters of fig. 2.
     """
     channels = mosaic_channels(cfa, *plane.shape)
     green_missing = _mixed(plane, _MALVAR_GREEN)
@@ -74,9 +72,8 @@ def gradient_corrected(plane: Plane, cfa: str) -> NDArray[np.floating]:
 def edge_aware(plane: Plane, cfa: str) -> NDArray[np.floating]:
     """(H, W, 3): green along the edge rather than across it, then red and blue by their distance from green.
 
-    References
-    ----------
-    Hamilton & Adams 1997, US patent 5,629,734 (expired): gradients of green plus curvature of red or blue.
+    Source: Hamilton & Adams 1997, US patent 5,629,734 (expired): gradients of green plus curvature of red or
+    blue.
     """
     channels = mosaic_channels(cfa, *plane.shape)
     across, down = ((_mixed(plane, k), _mixed(plane, c)) for k, c in (_ROW_PARTS, _COLUMN_PARTS))

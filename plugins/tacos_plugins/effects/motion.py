@@ -32,14 +32,10 @@ class Motion:
     Whether the shutter is rolling, and its line time, are the camera's. Rows binned on the sensor are read
     one by one, rows outside a region of interest are not read.
 
-    References
-    ----------
-    Meingast, Geyer and Sastry 2005, "Geometric models of rolling-shutter cameras", OMNIVIS.
+    Source: Meingast, Geyer and Sastry 2005, "Geometric models of rolling-shutter cameras", OMNIVIS.
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         amount: float = setting(
             1.0, help="Motion that is simulated over that of the scene: 0 is none, 1 all of it.", ge=0, le=10
         )

@@ -37,8 +37,6 @@ class MotionBlur:
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         length_px: float = setting(
             0.0, help="Length of the path during the exposure.", unit="px", ge=0, le=200
         )

@@ -21,14 +21,10 @@ class Nonlinearity:
     It acts on noisy samples: the variance follows the square of the slope, unlike a tone curve drawn
     over rounded values.
 
-    References
-    ----------
-    EMVA 1288, release 4.0: linearity error of the response.
+    Source: EMVA 1288, release 4.0: linearity error of the response.
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         a2: float = setting(
             0.0, help="Coefficient of y^2; some -0.1 where the response saturates softly.", ge=-10, le=10
         )

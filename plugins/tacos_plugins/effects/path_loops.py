@@ -82,20 +82,14 @@ def find_shown(
 ) -> None:
     """What each pixel shows at the moment of its row, and how far it is then.
 
-    Parameters
-    ----------
-    near, table_of, object_id
-        (H, W) inverse depth [1/m], number of the table and object of what the frame shows.
-    middle
-        (tables, rows, columns, 3, 3) displacement along x and y [px] and inverse depth [1/m] at every
-        `spacing` pixels, as polynomials of the inverse depth in the frame.
-    widest, alike
-        As in `average_along`.
-    nodes
-        (tables, columns, 3, 3) is used.
-    shown_near, shown_table, depth_m, shown_id
-        (H, W) are filled: inverse depth in the frame and table of what is shown, its depth then [m], and
-        its object.
+    - `near`, `table_of`, `object_id`: (H, W) inverse depth [1/m], number of the table and object of what the
+      frame shows.
+    - `middle`: (tables, rows, columns, 3, 3) displacement along x and y [px] and inverse depth [1/m] at every
+      `spacing` pixels, as polynomials of the inverse depth in the frame.
+    - `widest`, `alike`: as in `average_along`.
+    - `nodes`: (tables, columns, 3, 3) is used.
+    - `shown_near`, `shown_table`, `depth_m`, `shown_id`: (H, W) are filled: inverse depth in the frame and
+      table of what is shown, its depth then [m], and its object.
     """
     height, width = near.shape
     half = np.float32(0.5)
@@ -157,23 +151,14 @@ def _average(
 ) -> None:
     """Fill `LANES` values of `out` from `target` on, with as many averages along one line.
 
-    Parameters
-    ----------
-    lights, origin
-        (N,) an image row by row, and which of its values the line of the first starts from; those of the
-        others follow it.
-    u, v
-        The middle of the line along the axis that it mostly follows, and across, from there [px].
-    along, slope
-        Its length along the axis [px], and how far it goes aside over that [1].
-    step_u, step_v
-        From pixel to pixel along the axis and across, in values.
-    taps
-        (PHASES + 1, 4) the kernel.
-    scratch
-        (2, 4) is used.
-    least, most
-        What no average lies beyond.
+    - `lights`, `origin`: (N,) an image row by row, and which of its values the line of the first starts from;
+      those of the others follow it.
+    - `u`, `v`: the middle of the line along the axis that it mostly follows, and across, from there [px].
+    - `along`, `slope`: its length along the axis [px], and how far it goes aside over that [1].
+    - `step_u`, `step_v`: from pixel to pixel along the axis and across, in values.
+    - `taps`: (PHASES + 1, 4) the kernel.
+    - `scratch`: (2, 4) is used.
+    - `least`, `most`: what no average lies beyond.
     """
     half = np.float32(0.5)
     begins, ends = scratch[0], scratch[1]
@@ -230,26 +215,17 @@ def average_along(
     A path is a straight line. Along the axis it mostly follows, every pixel has as much weight as the kernel
     of the interpolation, moved along the line, gives it; across, the image is interpolated by the kernel.
 
-    Parameters
-    ----------
-    image
-        (H + 2 margin, W + 2 margin, C) light with its edge repeated by `margin`, as far as any path reaches.
-    near, table_of
-        (H, W) inverse depth [1/m] and number of the table of what each pixel shows.
-    paths
-        (tables, rows, columns, 3, 4) middle of the path from the pixel along x and y, and its extent along
-        x and y, at every `spacing` pixels, as polynomials of the inverse depth [px].
-    nodes, scratch
-        (tables, columns, 3, 4) and (2, 4) are used.
-    least, most
-        The range of the image, which the kernel would overshoot at edges.
-    taps
-        (PHASES + 1, 4) the kernel at four pixels, by how far the place lies beyond the second.
-    widest, alike
-        How many pixels a path may serve at most, no more than `MOST_AT_ONCE_PX`, and by how much their
-        inverse depths may differ from the first's [px, 1/m].
-    out
-        (H W C + LANES,) is filled.
+    - `image`: (H + 2 margin, W + 2 margin, C) light with its edge repeated by `margin`, as far as any path
+      reaches.
+    - `near`, `table_of`: (H, W) inverse depth [1/m] and number of the table of what each pixel shows.
+    - `paths`: (tables, rows, columns, 3, 4) middle of the path from the pixel along x and y, and its extent
+      along x and y, at every `spacing` pixels, as polynomials of the inverse depth [px].
+    - `nodes`, `scratch`: (tables, columns, 3, 4) and (2, 4) are used.
+    - `least`, `most`: the range of the image, which the kernel would overshoot at edges.
+    - `taps`: (PHASES + 1, 4) the kernel at four pixels, by how far the place lies beyond the second.
+    - `widest`, `alike`: how many pixels a path may serve at most, no more than `MOST_AT_ONCE_PX`, and by how
+      much their inverse depths may differ from the first's [px, 1/m].
+    - `out`: (H W C + LANES,) is filled.
     """
     height, width = near.shape
     channels = image.shape[2]

@@ -26,8 +26,6 @@ class PoseError:
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         rx: float = setting(0.0, help="Turn about the x axis; above 0 looks up.", unit="deg", ge=-45, le=45)
         ry: float = setting(
             0.0, help="Turn about the y axis; above 0 looks right.", unit="deg", ge=-45, le=45

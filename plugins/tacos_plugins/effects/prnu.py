@@ -30,14 +30,10 @@ class Prnu:
     The pattern p has mean 0 and variance 1 and belongs to the sensor: it repeats in every frame, and adds
     spatial variance in proportion to the squared signal, no temporal variance. It acts before the noise.
 
-    References
-    ----------
-    EMVA 1288, release 4.0: PRNU1288.
+    Source: EMVA 1288, release 4.0: PRNU1288.
     """
 
     class Config(PatternSettings):
-        """Settings of the effect."""
-
         sigma: float = setting(
             0.0,
             help="Spread of the photosites' response, over its mean; 0.003 to 0.015 is usual.",

@@ -20,14 +20,10 @@ class Quantisation:
     so the file is rounded anyway. The photosites of a binned pixel are rounded one by one, and noise makes
     their errors independent: of the average of n the error has 1 / n of the variance, and the shift stays.
 
-    References
-    ----------
-    Widrow & Kollar 2008, "Quantization noise": uniform error of variance step^2 / 12.
+    Source: Widrow & Kollar 2008, "Quantization noise": uniform error of variance step^2 / 12.
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         step_dn: float = setting(1.0, help="Distance from code to code.", unit="DN", gt=0, le=65535)
         step_share: float | None = physical(
             "step_dn",

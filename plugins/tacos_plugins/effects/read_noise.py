@@ -22,15 +22,11 @@ class ReadNoise:
     is 6 t / (1 - 4 t). The mean of n photosites in a binned pixel has that kurtosis over n; above 1/4, where
     there is none, that of nearly 1/4 is taken for it.
 
-    References
-    ----------
-    EMVA 1288, release 4.0: dark noise. Wei et al. 2020, "A physics-based noise formation model for
+    Source: EMVA 1288, release 4.0: dark noise. Wei et al. 2020, "A physics-based noise formation model for
     extreme low-light raw denoising", CVPR: read noise has longer tails than a Gaussian.
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         sigma_dn: float = setting(
             0.0,
             help="Standard deviation of the noise added to each photosite.",

@@ -25,14 +25,10 @@ class RollingShutter:
     constant over the readout. What a near thing uncovers is not known; the rim of its surroundings is drawn
     out there.
 
-    References
-    ----------
-    Meingast, Geyer and Sastry 2005, "Geometric models of rolling-shutter cameras", OMNIVIS.
+    Source: Meingast, Geyer and Sastry 2005, "Geometric models of rolling-shutter cameras", OMNIVIS.
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         row_time_us: float = setting(
             0.0,
             help="Time from row to row; 20 to 80 us is usual, below 0 the last row comes first.",

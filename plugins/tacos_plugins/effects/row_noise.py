@@ -29,14 +29,10 @@ class RowNoise:
     All channels of a row share its offset, as they share its read-out. The offsets do not depend on the
     light: they are there with the cap on, where flicker is not.
 
-    References
-    ----------
-    EMVA 1288, release 4.0: temporal row and column variance.
+    Source: EMVA 1288, release 4.0: temporal row and column variance.
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         sigma_dn: float = setting(
             0.0,
             help="Standard deviation of the rows' offsets.",

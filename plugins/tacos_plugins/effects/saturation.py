@@ -23,15 +23,11 @@ class Saturation:
     camera cuts off each photosite: close to the level, within the noise, the average comes out too high by a
     fraction of that noise.
 
-    References
-    ----------
-    EMVA 1288, release 4.0: the saturation point is where the variance falls. Foi 2009, "Clipped
-    noisy images", Signal Processing 89(12): moments of clipped samples.
+    Source: EMVA 1288, release 4.0: the saturation point is where the variance falls. Foi 2009, "Clipped noisy
+    images", Signal Processing 89(12): moments of clipped samples.
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         level_dn: float | None = setting(
             None,
             help="Level at which pixels are full, pedestal included; the white level by default.",

@@ -19,19 +19,11 @@ LEAST_CHANGE = 0.01
 def settling(first: float, lag_frames: float, start: int, count: int) -> NDArray[np.float64]:
     """Factors that come to 1 exponentially, in stops.
 
-    Parameters
-    ----------
-    first
-        The factor of the episode's first frame [1].
-    lag_frames
-        Frames after which 63 % of the way is gone; all of it after one frame if 0 [frame].
-    start, count
-        The first frame that is asked for, counted in its episode, and how many.
+    - `first`: the factor of the episode's first frame [1].
+    - `lag_frames`: frames after which 63 % of the way is gone; all of it after one frame if 0 [frame].
+    - `start`, `count`: the first frame that is asked for, counted in its episode, and how many.
 
-    Returns
-    -------
-    NDArray
-        (count,) float64 [1].
+    Returns: (count,) float64 [1].
 
     Examples
     --------

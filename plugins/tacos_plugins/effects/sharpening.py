@@ -35,14 +35,10 @@ class Sharpening:
     edges of a binned image are overdrawn as much as by sharpening ahead of the binning, while noise that is
     finer than a binned pixel is not there to be raised.
 
-    References
-    ----------
-    Gonzalez & Woods, "Digital Image Processing": unsharp masking.
+    Source: Gonzalez & Woods, "Digital Image Processing": unsharp masking.
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         amount: float = setting(
             0.0, help="Factor on what the blur takes away; 0.5 to 2 is usual.", ge=0, le=100
         )

@@ -50,16 +50,12 @@ class ToneCurve:
     pedestal the curve goes on point-symmetrically, so that the noise in the dark keeps both sides. Knots are
     joined by a monotone cubic, from (0, 0) to (1, 1); between the ends the curve keeps their order.
 
-    References
-    ----------
-    Grossberg & Nayar 2004, "Modeling the space of camera response functions", IEEE Trans. PAMI 26(10).
-    Fritsch & Butland 1984, "A method for constructing local monotone piecewise cubic interpolants", SIAM J.
-    Sci. Stat. Comput. 5(2): the cubic.
+    Sources: Grossberg & Nayar 2004, "Modeling the space of camera response functions", IEEE Trans. PAMI
+    26(10). Fritsch & Butland 1984, "A method for constructing local monotone piecewise cubic interpolants",
+    SIAM J. Sci. Stat. Comput. 5(2): the cubic.
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         gamma: float = setting(1.0, help="Exponent of the curve.", gt=0, le=100)
         knots: tuple[tuple[float, float], ...] | None = setting(
             None,

@@ -26,14 +26,10 @@ class VeilingGlare:
     scene; with the lens cap on nothing happens, unlike with a wrong black level. Lamps outside the image and,
     of a crop, the rest of the sensor are not known and give no glare.
 
-    References
-    ----------
-    ISO 9358:1994, veiling glare of image-forming systems.
+    Source: ISO 9358:1994, veiling glare of image-forming systems.
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         share: float = setting(
             0.0, help="Share of the light that strays; 0.005 to 0.05 is usual.", ge=0, le=1
         )

@@ -30,15 +30,11 @@ class Vignetting:
     The fall-off is centred on the principal point. It dims light, before the noise: the noise in
     the corners is that of their lower signal.
 
-    References
-    ----------
-    Goldman 2010, "Vignette and exposure calibration and compensation", IEEE Trans. PAMI 32(12): the even
-    polynomial of third order.
+    Source: Goldman 2010, "Vignette and exposure calibration and compensation", IEEE Trans. PAMI 32(12): the
+    even polynomial of third order.
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         k1: float = setting(0.0, help="Coefficient of r^2; about -0.4 for a small wide lens.", ge=-10, le=10)
         k2: float = setting(0.0, help="Coefficient of r^4.", ge=-10, le=10)
         k3: float = setting(0.0, help="Coefficient of r^6.", ge=-10, le=10)

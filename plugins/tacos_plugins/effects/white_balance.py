@@ -21,8 +21,6 @@ class WhiteBalance:
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         red: float = setting(1.0, help="Gain of red.", gt=0, le=100)
         blue: float = setting(1.0, help="Gain of blue.", gt=0, le=100)
 

@@ -34,8 +34,6 @@ class CalibrateCamera:
     """
 
     class Config(Settings):
-        """Settings of the procedure."""
-
         frames: str = setting(help="Folder of the frames and frames.csv.", is_path=True, min_length=1)
         cfa: Mosaic = setting("none", help="Bayer mosaic of the frames, read from the top left.")
         bit_depth: int | None = setting(

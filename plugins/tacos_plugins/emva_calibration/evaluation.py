@@ -1,8 +1,7 @@
 """Figures of the standard from levels: pure functions of arrays, evaluated once and again for intervals.
 
-References
-----------
-EMVA Standard 1288, Release 4.0 Linear: Sec. 2 (the linear model), 6 (sensitivity and noise), 7 (linearity).
+Source: EMVA Standard 1288, Release 4.0 Linear: Sec. 2 (the linear model), 6 (sensitivity and noise), 7
+(linearity).
 """
 
 from __future__ import annotations

@@ -1,8 +1,6 @@
 """95 % intervals: what was measured is drawn anew within its errors, and evaluated each time.
 
-References
-----------
-JCGM 101:2008, "Propagation of distributions using a Monte Carlo method".
+Source: JCGM 101:2008, "Propagation of distributions using a Monte Carlo method".
 """
 
 from __future__ import annotations

@@ -1,9 +1,7 @@
 """What differs from pixel to pixel and stays: spatial variances of a stack of frames.
 
-References
-----------
-EMVA Standard 1288, Release 4.0 Linear, Sec. 8: the variance of the mean over L frames, less the temporal
-variance over L; rows, columns and pixels apart.
+Source: EMVA Standard 1288, Release 4.0 Linear, Sec. 8: the variance of the mean over L frames, less the
+temporal variance over L; rows, columns and pixels apart.
 """
 
 from __future__ import annotations

@@ -83,16 +83,10 @@ def assigned(
     other would be. What another was given just now, that one has to do first; of what it does since longer,
     nothing may be left.
 
-    Parameters
-    ----------
-    waiting
-        What each waiting job needs, in the order in which results are wanted; None for nothing.
-    idle
-        What each idle worker has at hand.
-    busy
-        What the other workers have at hand.
-    cost_of_making
-        See `JobTimes`; at 1 no worker idles while a job waits.
+    - `waiting`: what each waiting job needs, in the order in which results are wanted; None for nothing.
+    - `idle`: what each idle worker has at hand.
+    - `busy`: what the other workers have at hand.
+    - `cost_of_making`: see `JobTimes`; at 1 no worker idles while a job waits.
 
     Examples
     --------

@@ -57,12 +57,8 @@ Worker = TypeVar("Worker", bound=PoolWorker)
 class JobPool(ABC, Generic[Worker]):
     """Workers that hold one function.
 
-    Parameters
-    ----------
-    workers
-        How many at most.
-    attempts
-        How often a job is tried whose worker is lost or hangs.
+    - `workers`: how many at most.
+    - `attempts`: how often a job is tried whose worker is lost or hangs.
     """
 
     def __init__(self, payload: bytes, workers: int, attempts: int) -> None:

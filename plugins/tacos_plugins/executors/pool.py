@@ -46,14 +46,9 @@ class Limits:
 class Pool(JobPool[WorkerProcess]):
     """Worker processes that hold one function.
 
-    Parameters
-    ----------
-    limits
-        When a worker is replaced.
-    threads
-        Threads each may compute with.
-    environment
-        Environment variables workers start with, beside those of this process.
+    - `limits`: when a worker is replaced.
+    - `threads`: threads each may compute with.
+    - `environment`: environment variables workers start with, beside those of this process.
     """
 
     def __init__(

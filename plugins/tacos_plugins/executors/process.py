@@ -38,8 +38,6 @@ class ProcessExecutor(PoolExecutor):
     """
 
     class Config(Settings):
-        """Settings of the executor."""
-
         workers: int | None = setting(
             None,
             help="Worker processes; by default one for each core this process may use.",

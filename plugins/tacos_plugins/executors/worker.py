@@ -59,18 +59,11 @@ def serve(
 ) -> None:
     """Evaluate jobs until told to leave.
 
-    Parameters
-    ----------
-    payload
-        The pickled function this worker evaluates, from the parent process.
-    channel
-        Brings pickled jobs, takes pickled answers.
-    threads
-        Threads OpenCV may use here.
-    logs
-        Takes what is logged here.
-    levels
-        The levels of loggers in the parent process.
+    - `payload`: the pickled function this worker evaluates, from the parent process.
+    - `channel`: brings pickled jobs, takes pickled answers.
+    - `threads`: threads OpenCV may use here.
+    - `logs`: takes what is logged here.
+    - `levels`: the levels of loggers in the parent process.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; the parent decides
     threading.Thread(target=_die_with_parent, daemon=True).start()

@@ -55,10 +55,7 @@ class _ToParent(logging.Handler):
 class WorkerLog:
     """Says here what one worker logs there, until that worker ends.
 
-    Parameters
-    ----------
-    worker
-        What the worker is called in front of each of its messages.
+    - `worker`: what the worker is called in front of each of its messages.
     """
 
     def __init__(self, channel: Connection, worker: str) -> None:

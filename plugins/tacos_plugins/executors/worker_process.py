@@ -15,12 +15,8 @@ from tacos_plugins.executors.worker_logs import WorkerLog, explicit_levels
 class WorkerProcess(PoolWorker):
     """A process that evaluates one job at a time.
 
-    Parameters
-    ----------
-    number
-        Counts the workers of a pool from 1; their log lines bear it.
-    context
-        How processes are started.
+    - `number`: counts the workers of a pool from 1; their log lines bear it.
+    - `context`: how processes are started.
     """
 
     def __init__(self, number: int, context: SpawnContext, payload: bytes, threads: int) -> None:

@@ -48,10 +48,7 @@ class WorldStore:
     said and made anew. Where the folder cannot be written, things are made as if there were no store. The
     entries that were used longest ago go when there is more than the limit.
 
-    Parameters
-    ----------
-    folder
-        Where entries lie; made when the first is written.
+    - `folder`: where entries lie; made when the first is written.
     """
 
     def __init__(self, folder: Path):

@@ -41,21 +41,12 @@ def with_illuminance(
 ) -> World:
     """The world with indirect light baked, lit so that the mean illuminance on a plane is as given.
 
-    Parameters
-    ----------
-    illumination_lux
-        Mean illuminance, direct and indirect, over the points of the plane [lux].
-    plane_m
-        (N, 3) float32 points of a horizontal plane, spread evenly [m].
-    key
-        Content key of the new world.
-    rays
-        Rays per place for indirect light.
+    - `illumination_lux`: mean illuminance, direct and indirect, over the points of the plane [lux].
+    - `plane_m`: (N, 3) float32 points of a horizontal plane, spread evenly [m].
+    - `key`: content key of the new world.
+    - `rays`: rays per place for indirect light.
 
-    Raises
-    ------
-    ValueError
-        When no light reaches the plane.
+    Raises `ValueError` when no light reaches the plane.
     """
     transport = LightTransport(world, rays=rays)
     up = np.tile(np.array([0, 0, 1], np.float32), (len(plane_m), 1))

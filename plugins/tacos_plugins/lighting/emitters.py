@@ -22,10 +22,8 @@ _SRGB_FROM_XYZ = np.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415]
 def _chromaticity(temperature_k: float) -> tuple[float, float]:
     """CIE 1931 x and y of black bodies below 4000 K, of daylight above, as lamps are labelled.
 
-    References
-    ----------
-    CIE 015:2018, Sec. 4.1.2, for daylight; Kang et al. 2002, "Design of advanced color temperature control
-    system for HDTV applications", J. Korean Physical Society 41(6), for black bodies.
+    Sources: CIE 015:2018, Sec. 4.1.2, for daylight; Kang et al. 2002, "Design of advanced color temperature
+    control system for HDTV applications", J. Korean Physical Society 41(6), for black bodies.
     """
     kilo = 1e3 / temperature_k
     if temperature_k >= 4000:

@@ -33,20 +33,12 @@ class LightTransport:
     All sites use the same fan relative to their normal: its error then varies as slowly as the light itself,
     where random fans would speckle.
 
-    Parameters
-    ----------
-    world
-        The world; its `indirect_lux` is not used.
-    merge_m
-        Vertices of one material closer than this, with similar normals, share a site [m].
-    bounces
-        Number of iterations of (1); fewer where the light has converged.
-    longest_edge_m
-        Larger triangles are split: light is interpolated between their corners [m].
+    - `world`: the world; its `indirect_lux` is not used.
+    - `merge_m`: vertices of one material closer than this, with similar normals, share a site [m].
+    - `bounces`: number of iterations of (1); fewer where the light has converged.
+    - `longest_edge_m`: larger triangles are split: light is interpolated between their corners [m].
 
-    References
-    ----------
-    Cohen, M. F., and Wallace, J. R. (1993). Radiosity and Realistic Image Synthesis.
+    Source: Cohen, M. F., and Wallace, J. R. (1993). Radiosity and Realistic Image Synthesis.
     """
 
     def __init__(

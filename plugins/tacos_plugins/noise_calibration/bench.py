@@ -66,14 +66,9 @@ def expose(
 ) -> FrameBatch:
     """Frames of a capture of one frame, without effects: the bench measures the sensor alone.
 
-    Parameters
-    ----------
-    capture
-        Of one frame, which may be exposed any number of times.
-    draws
-        What the noise is for.
-    frame
-        Which of the exposures of this capture; each has noise of its own.
+    - `capture`: of one frame, which may be exposed any number of times.
+    - `draws`: what the noise is for.
+    - `frame`: which of the exposures of this capture; each has noise of its own.
     """
     of_frame = replace(capture, episode=replace(capture.episode, first_frame=frame))
     use = f"sensor.{type(sensor).__name__}"

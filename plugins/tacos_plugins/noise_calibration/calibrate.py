@@ -64,14 +64,10 @@ class CalibrateNoise:
     written as ``calibration.yaml``, which `sensor.affine-noise` takes as its ``calibration``; the report
     shows the photon transfer, what the line leaves over, and what speaks against it.
 
-    References
-    ----------
-    `tacos_plugins.noise_calibration.photon_transfer`.
+    Source: `tacos_plugins.noise_calibration.photon_transfer`.
     """
 
     class Config(Settings):
-        """Settings of the procedure."""
-
         frames: str = setting(
             "", help="Folder or glob of the frames (PNG, TIFF, npy); empty to render them.", is_path=True
         )

@@ -52,16 +52,10 @@ def photon_transfer(
 ) -> str:
     """SVG of a panel per setting, each with what is left over below.
 
-    Parameters
-    ----------
-    name
-        Unique among the drawings of a page.
-    panels
-        Title and clouds of each.
-    line
-        What the lines are, for the legend.
-    narrow
-        For the width of a phone: settings stand below each other.
+    - `name`: unique among the drawings of a page.
+    - `panels`: title and clouds of each.
+    - `line`: what the lines are, for the legend.
+    - `narrow`: for the width of a phone: settings stand below each other.
     """
     figures = ", ".join(title for title, _ in panels)
     description = f"Variance over mean signal per channel, with {line} and residuals: {figures}."

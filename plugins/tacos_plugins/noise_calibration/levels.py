@@ -4,10 +4,8 @@ Variance is taken over time, pixel by pixel, from differences of consecutive fra
 the sensor or the scene (pixels of unequal response, uneven light) does not count as noise, and neither does
 light that drifts slowly or flickers as a whole. Pixels are then gathered in levels of equal mean.
 
-References
-----------
-EMVA Standard 1288, Release 4.0, Sec. 6 (difference of two frames); von Neumann 1941, "Distribution of the
-ratio of the mean square successive difference to the variance".
+Source: EMVA Standard 1288, Release 4.0, Sec. 6 (difference of two frames); von Neumann 1941, "Distribution of
+the ratio of the mean square successive difference to the variance".
 """
 
 from __future__ import annotations
@@ -56,19 +54,12 @@ def measure_levels(
 ) -> Levels:
     """Mean and variance over time of one channel.
 
-    Parameters
-    ----------
-    planes
-        Arrays (F, H, W) of the same F >= 2 frames; more than one where a mosaic holds a colour twice [DN].
-    white_level_dn
-        Full scale [DN].
-    levels
-        Into how many steps the range of means is cut; those of too few pixels are left out.
+    - `planes`: arrays (F, H, W) of the same F >= 2 frames; more than one where a mosaic holds a colour twice
+      [DN].
+    - `white_level_dn`: full scale [DN].
+    - `levels`: into how many steps the range of means is cut; those of too few pixels are left out.
 
-    Raises
-    ------
-    ValueError
-        When there are fewer than two frames.
+    Raises `ValueError` when there are fewer than two frames.
     """
     frames = len(planes[0])
     if frames < 2:

@@ -6,9 +6,7 @@ Each level (`tacos_plugins.noise_calibration.levels`) is weighed by how well its
 
 where 1/12 DN^2 is the share of rounding, which a simulated camera adds by itself.
 
-References
-----------
-EMVA Standard 1288, Release 4.0, Sec. 6; Janesick 2007, "Photon Transfer".
+Source: EMVA Standard 1288, Release 4.0, Sec. 6; Janesick 2007, "Photon Transfer".
 """
 
 from __future__ import annotations

@@ -39,6 +39,11 @@ class CmaEs:
     are asked once. A candidate of an earlier generation is asked again only when it is drawn again; a study
     whose episodes stay the same answers that from its cache. Budgets count different candidates.
 
+    Sources: Hansen 2016, "The CMA Evolution Strategy: A Tutorial"; Auger and Hansen 2005, "A restart CMA
+    evolution strategy with increasing population size" (ipop); Hansen 2009, "Benchmarking a BI-population
+    CMA-ES" (bipop); Hamano et al. 2022, "CMA-ES with Margin", for the lower bound on discrete genes, here in
+    the simpler form of a least standard deviation. The implementation is pycma.
+
     Examples
     --------
     >>> from tacos_framework.variables.design_space import Continuous
@@ -56,18 +61,9 @@ class CmaEs:
     -----
     `state` keeps the fitness observed so far and the generator's first state; `restore` tells it all again,
     which takes milliseconds per generation and is exact.
-
-    References
-    ----------
-    Hansen 2016, "The CMA Evolution Strategy: A Tutorial"; Auger and Hansen 2005, "A restart CMA evolution
-    strategy with increasing population size" (ipop); Hansen 2009, "Benchmarking a BI-population CMA-ES"
-    (bipop); Hamano et al. 2022, "CMA-ES with Margin", for the lower bound on discrete genes, here in the
-    simpler form of a least standard deviation. The implementation is pycma.
     """
 
     class Config(Settings):
-        """Settings of the optimizer."""
-
         evaluations: int = setting(
             200,
             help="Different candidates evaluated in all.",

@@ -11,12 +11,8 @@ from tacos_framework import Candidate, Evaluated
 class Draws(ABC):
     """Asks for so many candidates whatever they score; how each is drawn is the subclass' business.
 
-    Parameters
-    ----------
-    evaluations
-        Candidates drawn in all.
-    batch
-        Candidates asked at a time; the last batch may be smaller.
+    - `evaluations`: candidates drawn in all.
+    - `batch`: candidates asked at a time; the last batch may be smaller.
     """
 
     def __init__(self, *, evaluations: int, batch: int) -> None:

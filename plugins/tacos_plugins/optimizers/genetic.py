@@ -37,6 +37,9 @@ class Genetic:
     of their values. Candidates that failed never breed; where all failed, the next generation starts over.
     Equal candidates count once among elites and parents.
 
+    Source: the paper, Sec. 4.2, 4.3 and supplement, "Genetic Algorithm Implementation"; Holland 1992,
+    "Adaptation in natural and artificial systems". Defaults are those of the monocular study.
+
     Examples
     --------
     >>> from tacos_framework.variables.design_space import Continuous
@@ -51,18 +54,11 @@ class Genetic:
     ...     search.tell(observed)
     >>> reason, bool(best > -0.1)
     ('all 40 generations were evaluated', True)
-
-    References
-    ----------
-    The paper, Sec. 4.2, 4.3 and supplement, "Genetic Algorithm Implementation"; Holland 1992, "Adaptation
-    in natural and artificial systems". Defaults are those of the monocular study.
     """
 
     budget: ClassVar[str] = "generations"
 
     class Config(Settings):
-        """Settings of the optimizer."""
-
         population: int = setting(10, help="Candidates per generation.", ge=1)
         keep: int = setting(3, help="Best candidates that go on unchanged.", ge=0)
         parents: int = setting(5, help="Best candidates that breed.", ge=1)

@@ -50,6 +50,9 @@ class OptunaSearch:
     all there is to remember, and a resumed search goes on exactly as an unbroken one, without thinking it all
     through again.
 
+    Sources: Akiba et al. 2019, "Optuna"; Bergstra et al. 2011, "Algorithms for hyper-parameter optimization"
+    (tpe); Ament et al. 2023, "Unexpected improvements to expected improvement" (gp).
+
     Examples
     --------
     >>> from tacos_framework.variables.design_space import Continuous
@@ -62,18 +65,11 @@ class OptunaSearch:
     ...     search.tell(observed)
     >>> reason, bool(best > -0.1)
     ('all 40 candidates were evaluated', True)
-
-    References
-    ----------
-    Akiba et al. 2019, "Optuna"; Bergstra et al. 2011, "Algorithms for hyper-parameter optimization" (tpe);
-    Ament et al. 2023, "Unexpected improvements to expected improvement" (gp).
     """
 
     budget: ClassVar[str] = "evaluations"
 
     class Config(Settings):
-        """Settings of the optimizer."""
-
         sampler: Literal["tpe", "gp"] = setting(
             "tpe", help="Parzen estimators (tpe), or a Gaussian process (gp), which needs torch installed."
         )

@@ -30,8 +30,6 @@ class RandomSearch(Draws):
     budget: ClassVar[str] = "evaluations"
 
     class Config(Settings):
-        """Settings of the optimizer."""
-
         evaluations: int = setting(
             200, help="Candidates drawn in all.", ge=1, also=("budget", "trials", "iterations", "steps")
         )

@@ -31,9 +31,7 @@ class Restarts:
 
     U uniform in 0..1, drawn for each.
 
-    References
-    ----------
-    Auger and Hansen 2005; Hansen 2009, Sec. 2.
+    Sources: Auger and Hansen 2005; Hansen 2009, Sec. 2.
     """
 
     def __init__(

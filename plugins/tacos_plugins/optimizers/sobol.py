@@ -19,6 +19,9 @@ class Sobol(Draws):
     scrambling is drawn from the seed, so that seeds give independent sequences. Balance is best where
     ``evaluations`` is a power of two.
 
+    Sources: Sobol 1967; Owen 1998, "Scrambling Sobol' and Niederreiter-Xing points". The implementation is
+    SciPy's.
+
     Examples
     --------
     >>> from tacos_framework.variables.design_space import Continuous
@@ -26,15 +29,9 @@ class Sobol(Draws):
     >>> search = Sobol(Sobol.Config(evaluations=4, batch=4), space=space, rng=np.random.default_rng(1))
     >>> sorted(int(candidate.genes[0] // 15) for candidate in search.ask())
     [-2, -1, 0, 1]
-
-    References
-    ----------
-    Sobol 1967; Owen 1998, "Scrambling Sobol' and Niederreiter-Xing points". The implementation is SciPy's.
     """
 
     class Config(Settings):
-        """Settings of the optimizer."""
-
         evaluations: int = setting(
             256,
             help="Candidates drawn in all.",

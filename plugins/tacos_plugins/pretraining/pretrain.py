@@ -52,14 +52,10 @@ class Pretrain:
     A broken run goes on with ``--resume``, with the images there are and from the last pass that was
     finished, and ends with the same weights.
 
-    References
-    ----------
-    The paper, Sec. 4.3, "Object Detector": pre-trained on 2000 images of the simulator.
+    Source: the paper, Sec. 4.3, "Object Detector": pre-trained on 2000 images of the simulator.
     """
 
     class Config(Settings):
-        """Settings of the procedure."""
-
         problem: str = setting(
             help="The recipe whose task is trained: a path, or the name of a shipped one.", is_path=True
         )

@@ -33,9 +33,7 @@ class AnalyticRenderer:
     otherwise. There is no anti-aliasing and no motion blur. The cost is pixels times triangles: meant for low
     resolutions and small worlds. It casts the rays of any lens.
 
-    References
-    ----------
-    Moeller, T., and Trumbore, B. (1997). Fast, minimum storage ray/triangle intersection.
+    Source: Moeller, T., and Trumbore, B. (1997). Fast, minimum storage ray/triangle intersection.
     """
 
     class Config(Settings):
@@ -86,25 +84,16 @@ def first_hits(
 ) -> tuple[NDArray[np.intp], NDArray[np.float64], NDArray[np.float64]]:
     """What rays from one point meet first.
 
-    Parameters
-    ----------
-    corners_m
-        (T, 3, 3) corners of triangles [m].
-    origin_m
-        (3,) where the rays start [m].
-    directions
-        (N, 3) of any length [m].
-    near
-        Least distance, in lengths of the direction [1].
+    - `corners_m`: (T, 3, 3) corners of triangles [m].
+    - `origin_m`: (3,) where the rays start [m].
+    - `directions`: (N, 3) of any length [m].
+    - `near`: least distance, in lengths of the direction [1].
 
-    Returns
-    -------
-    triangle
-        (N,) index; -1 where nothing is met.
-    distance
-        (N,) in lengths of the direction; infinite where nothing is met [1].
-    weights
-        (N, 3) barycentric weights of the corners [1].
+    Returns:
+
+    - `triangle`: (N,) index; -1 where nothing is met.
+    - `distance`: (N,) in lengths of the direction; infinite where nothing is met [1].
+    - `weights`: (N, 3) barycentric weights of the corners [1].
     """
     count = len(directions)
     nearest = np.full(count, -1, dtype=np.intp)

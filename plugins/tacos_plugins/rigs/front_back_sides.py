@@ -32,8 +32,6 @@ class FrontBackSidesRig:
     """
 
     class Config(SeveralCamerasConfig):
-        """Settings of the rig."""
-
         side_yaw_deg: float = setting(
             90.0, help="Turn of the side cameras from straight ahead.", unit="deg", gt=0, lt=180
         )

@@ -187,20 +187,12 @@ def mounted_camera(
 ) -> Camera:
     """A camera on the agent that simulates blocks of ``binning`` x ``binning`` of its pixels as one.
 
-    Parameters
-    ----------
-    variables
-        The sensor, and what is read out of it.
-    optics
-        The lens before it.
-    position_m
-        Optical centre in the agent frame: forward, left, up [m].
-    pitch_deg
-        Tilt of the optical axis, positive is up [deg].
-    yaw_deg
-        Turn of the optical axis, positive is left [deg].
-    binning
-        Linear factor; the image size is rounded to whole pixels, at least one [1].
+    - `variables`: the sensor, and what is read out of it.
+    - `optics`: the lens before it.
+    - `position_m`: optical centre in the agent frame: forward, left, up [m].
+    - `pitch_deg`: tilt of the optical axis, positive is up [deg].
+    - `yaw_deg`: turn of the optical axis, positive is left [deg].
+    - `binning`: linear factor; the image size is rounded to whole pixels, at least one [1].
     """
     centre = optics.principal_point_px
     return Camera(

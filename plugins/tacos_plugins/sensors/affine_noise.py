@@ -47,8 +47,6 @@ class AffineNoise:
     """
 
     class Config(Settings):
-        """Settings of the sensor."""
-
         calibration: str | Calibration = setting(
             "flea3_imx172",
             help="Noise calibration: a name in the catalogs, a file, or its numbers.",

@@ -44,11 +44,9 @@ class CameraSensor(Emva):
 
     Dark current doubles every `dark_doubling_c` degrees (EMVA 1288, release 4.0).
 
-    References
-    ----------
-    `tacos_plugins.sensors.electrons` (the model), `tacos_plugins.sensors.photosite_prior` (the priors),
-    `tacos_plugins.sensors.mosaic_noise` (filters). The recipe `noise_over_gain` holds read noise over gain
-    against real cameras.
+    Source: `tacos_plugins.sensors.electrons` (the model), `tacos_plugins.sensors.photosite_prior` (the
+    priors), `tacos_plugins.sensors.mosaic_noise` (filters). The recipe `noise_over_gain` holds read noise
+    over gain against real cameras.
 
     Examples
     --------
@@ -59,8 +57,6 @@ class CameraSensor(Emva):
     """
 
     class Config(Emva.Config):
-        """Settings of the sensor."""
-
         channels: Literal["rgb", "mono", "by-part"] = setting(
             "by-part",
             help="Colour images, or luminance in one channel; by-part as the image sensor is, in colour "

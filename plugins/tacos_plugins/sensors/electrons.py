@@ -19,9 +19,7 @@ holds two: CIE daylight, D65, cut to 400 .. 700 nm as behind an infrared filter,
 quantum efficiency goes with the first as the mean over the photons of that spectrum, with the second as the
 value at 555 nm.
 
-References
-----------
-EMVA Standard 1288, Release 4.0 Linear, 2021, Sec. 2; CIE 018:2019 (683 lm/W); ISO/CIE 11664-2 (D65).
+Sources: EMVA Standard 1288, Release 4.0 Linear, 2021, Sec. 2; CIE 018:2019 (683 lm/W); ISO/CIE 11664-2 (D65).
 """
 
 from __future__ import annotations
@@ -53,19 +51,12 @@ def photons_per_luminance(
 ) -> float:
     """Photons that one cd/m2 sends to a photosite.
 
-    Parameters
-    ----------
-    time_s
-        Exposure time [s].
-    f_number
-        Focal length over aperture diameter [1].
-    pixel_um
-        Pitch of the photosites; the whole area counts, as quantum efficiency includes the fill factor [um].
+    - `time_s`: exposure time [s].
+    - `f_number`: focal length over aperture diameter [1].
+    - `pixel_um`: pitch of the photosites; the whole area counts, as quantum efficiency includes the fill
+      factor [um].
 
-    Returns
-    -------
-    float
-        mu_p / L [1 / (cd/m2)].
+    Returns: mu_p / L [1 / (cd/m2)].
 
     Examples
     --------
@@ -82,19 +73,11 @@ def photons_per_luminance(
 def system_gain(full_well_e: float, range_dn: float, gain_db: float) -> float:
     """System gain K of a camera whose full well just fills the range of its files at 0 dB.
 
-    Parameters
-    ----------
-    full_well_e
-        Electrons a photosite holds [e-].
-    range_dn
-        White level less black level [DN].
-    gain_db
-        Gain of the camera; above 0 dB its files are full before its photosites are [dB].
+    - `full_well_e`: electrons a photosite holds [e-].
+    - `range_dn`: white level less black level [DN].
+    - `gain_db`: gain of the camera; above 0 dB its files are full before its photosites are [dB].
 
-    Returns
-    -------
-    float
-        K [DN/e-].
+    Returns: K [DN/e-].
 
     Examples
     --------
@@ -109,21 +92,12 @@ def photon_transfer_variance(
 ) -> NDArray[np.float64]:
     """Variance of one sample below saturation, before rounding (EMVA 1288, eq. 13).
 
-    Parameters
-    ----------
-    signal_dn
-        Mean signal above black, dark signal included [DN].
-    gain_dn_per_e
-        System gain K [DN/e-].
-    read_noise_e
-        Standard deviation without light [e-].
-    photosites
-        How many photosites are averaged into one sample [1].
+    - `signal_dn`: mean signal above black, dark signal included [DN].
+    - `gain_dn_per_e`: system gain K [DN/e-].
+    - `read_noise_e`: standard deviation without light [e-].
+    - `photosites`: how many photosites are averaged into one sample [1].
 
-    Returns
-    -------
-    NDArray
-        Variance; affine in the signal, with the slope K [DN^2].
+    Returns: variance; affine in the signal, with the slope K [DN^2].
 
     Examples
     --------
@@ -145,26 +119,16 @@ def count_electrons(
 ) -> NDArray[np.float32]:
     """Electrons that are read from photosites: counted, limited by the full well, read with noise.
 
-    Parameters
-    ----------
-    expected_e
-        Mean electrons per photosite, dark signal included; below zero nothing is counted, and the value is
-        kept as an offset [e-].
-    full_well_e
-        Electrons a photosite holds [e-].
-    read_noise_e
-        Standard deviation of the noise of reading one photosite [e-].
-    rng
-        Draws a count and a normal number per sample.
-    photosites
-        How many photosites are averaged into one sample; need not be whole, may differ by channel [1].
-    photon_scale
-        Factor on the variance of the counts, which leaves their mean alone [1].
+    - `expected_e`: mean electrons per photosite, dark signal included; below zero nothing is counted, and the
+      value is kept as an offset [e-].
+    - `full_well_e`: electrons a photosite holds [e-].
+    - `read_noise_e`: standard deviation of the noise of reading one photosite [e-].
+    - `rng`: draws a count and a normal number per sample.
+    - `photosites`: how many photosites are averaged into one sample; need not be whole, may differ by channel
+      [1].
+    - `photon_scale`: factor on the variance of the counts, which leaves their mean alone [1].
 
-    Returns
-    -------
-    NDArray
-        Same shape, float32 [e-].
+    Returns: same shape, float32 [e-].
 
     Examples
     --------

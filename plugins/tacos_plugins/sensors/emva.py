@@ -46,9 +46,7 @@ class Emva:
     Effects of the stage pixel act on the signal that light makes; the dark signal joins it when electrons
     are counted.
 
-    References
-    ----------
-    `tacos_plugins.sensors.electrons`, which states the equations.
+    Source: `tacos_plugins.sensors.electrons`, which states the equations.
 
     Examples
     --------
@@ -61,8 +59,6 @@ class Emva:
     """
 
     class Config(Settings):
-        """Settings of the sensor."""
-
         quantum_efficiency: float | None = setting(
             None,
             help="Electrons per photon of the spectrum, filter and fill factor included, where the catalog "

@@ -8,10 +8,8 @@ The bits are those of a counter-based generator (Philox4x64-10, Salmon et al. 20
 sample i takes the bits 16 i to 16 i + 15, and the n-th sample of a tail the n-th word of a second stream. So
 samples may be drawn in any order, by any device that computes in parallel, with the same numbers.
 
-References
-----------
-L. Devroye, "Non-Uniform Random Variate Generation", Springer 1986.
-J. K. Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011.
+Sources: L. Devroye, "Non-Uniform Random Variate Generation", Springer 1986. J. K. Salmon et al., "Parallel
+random numbers: as easy as 1, 2, 3", SC 2011.
 """
 
 from __future__ import annotations
@@ -33,11 +31,8 @@ TAIL_BINS = 1 << TAIL_BITS
 class NormalNumbers:
     """Independent standard normal numbers, in the order of the samples of a frame.
 
-    Parameters
-    ----------
-    rng
-        Of the frame: gives the keys of its two streams of bits, one for the bins and one for the tails; from
-        them, as `key`, all of its numbers follow.
+    - `rng`: of the frame: gives the keys of its two streams of bits, one for the bins and one for the tails;
+      from them, as `key`, all of its numbers follow.
     """
 
     def __init__(self, rng: np.random.Generator):

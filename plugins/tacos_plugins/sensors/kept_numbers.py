@@ -18,10 +18,7 @@ _SAMPLE_BYTES = np.dtype(np.float32).itemsize
 class KeptNumbers:
     """The same numbers as `NormalNumbers`, to the bit, remembered by frame. Threads may share it.
 
-    Parameters
-    ----------
-    most_bytes
-        What is remembered at most; frames for which there is no room are drawn each time.
+    - `most_bytes`: what is remembered at most; frames for which there is no room are drawn each time.
     """
 
     def __init__(self, most_bytes: int):

@@ -14,9 +14,7 @@ to that area, since equal intensities take less gain where more photons are caug
 In this model a larger photosite is always better: it knows no full well, no quantum efficiency, no dark
 current, and larger optics cost nothing.
 
-References
-----------
-The paper, Sec. 3.1 and supplement; Foi et al. 2008, "Practical Poissonian-Gaussian noise modeling and
+Source: the paper, Sec. 3.1 and supplement; Foi et al. 2008, "Practical Poissonian-Gaussian noise modeling and
 fitting for single-image raw-data", IEEE Trans. Image Processing 17(10).
 """
 
@@ -41,21 +39,12 @@ def gain_ratio(
 ) -> float:
     """The ratio r that carries a noise calibration over to another gain and photosite.
 
-    Parameters
-    ----------
-    gain_db
-        Gain of the scenario, as set on the calibrated photosite [dB].
-    pixel_um
-        Pitch of the photosites [um].
-    calibrated_gain_db
-        Gain of the calibration, G0 [dB].
-    calibrated_pixel_um
-        Pitch of the calibrated photosites, p0 [um].
+    - `gain_db`: gain of the scenario, as set on the calibrated photosite [dB].
+    - `pixel_um`: pitch of the photosites [um].
+    - `calibrated_gain_db`: gain of the calibration, G0 [dB].
+    - `calibrated_pixel_um`: pitch of the calibrated photosites, p0 [um].
 
-    Returns
-    -------
-    float
-        r [1].
+    Returns: r [1].
 
     Examples
     --------
@@ -79,23 +68,14 @@ def affine_variance(
 ) -> NDArray[np.float64]:
     """Variance of the noise on a mean signal (eq. 1), before rounding and clipping.
 
-    Parameters
-    ----------
-    signal_dn
-        Mean signal above black; below black counts as black [DN].
-    photon_dn
-        s_p of the calibration: variance per digital number of signal [DN].
-    thermal_dn2
-        s_t of the calibration: variance without signal [DN^2].
-    ratio
-        r of :func:`gain_ratio` [1].
-    photosites
-        How many photosites with independent noise are averaged into one sample; divides the variance [1].
+    - `signal_dn`: mean signal above black; below black counts as black [DN].
+    - `photon_dn`: s_p of the calibration: variance per digital number of signal [DN].
+    - `thermal_dn2`: s_t of the calibration: variance without signal [DN^2].
+    - `ratio`: r of :func:`gain_ratio` [1].
+    - `photosites`: how many photosites with independent noise are averaged into one sample; divides the
+      variance [1].
 
-    Returns
-    -------
-    NDArray
-        Variance; the arguments broadcast [DN^2].
+    Returns: variance; the arguments broadcast [DN^2].
 
     Examples
     --------
@@ -140,21 +120,13 @@ def add_noise(
     A Poisson variable of many electrons is Gaussian to the accuracy of the model; the sum of both noises is
     drawn at once.
 
-    Parameters
-    ----------
-    samples_dn
-        (..., W, C) expected samples, pedestal included [DN].
-    out
-        Where the noisy samples go; same shape, C-contiguous float32, not `samples_dn` itself [DN].
-    black_level_dn
-        Pedestal [DN].
-    photon_dn, thermal_dn2
-        (C,) or scalar variance per signal, and without signal, of one sample: ratio and photosites already
-        applied [DN, DN^2].
-    rng
-        Draws the key of this frame's numbers; they then follow from the places of the samples.
-    kept
-        Remembers them, where frames are drawn again and again.
+    - `samples_dn`: (..., W, C) expected samples, pedestal included [DN].
+    - `out`: where the noisy samples go; same shape, C-contiguous float32, not `samples_dn` itself [DN].
+    - `black_level_dn`: pedestal [DN].
+    - `photon_dn`, `thermal_dn2`: (C,) or scalar variance per signal, and without signal, of one sample: ratio
+      and photosites already applied [DN, DN^2].
+    - `rng`: draws the key of this frame's numbers; they then follow from the places of the samples.
+    - `kept`: remembers them, where frames are drawn again and again.
     """
     from tacos_plugins.sensors.sample_loops import add_scaled
 

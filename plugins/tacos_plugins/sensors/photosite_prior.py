@@ -7,13 +7,11 @@ A figure y of a photosite of pitch p is drawn of each image sensor by itself:
 with f the logarithm, or the logit for shares. `z` follows from the names of sensor and figure and from the
 draw, so that a sensor is the same wherever it is used.
 
-References
-----------
-Full well, read noise, quantum efficiency: least squares over all parts of the catalogs ``image_sensors`` and
-``image_sensors_more`` that know them (29, 28 and 18 sensors), which a test repeats. Dark current: published
-figures of CMV4000, IMX900 and OV5647 (125, 1.47 and 16 e-/s), without a dependence on the pitch. Read noise
-after the gain: its share of the dark variance at the lowest ISO from 100 on of 223 still cameras (profiles
-published with darktable), as the recipe `noise_over_gain` fits it.
+Source: Full well, read noise, quantum efficiency: least squares over all parts of the catalogs
+``image_sensors`` and ``image_sensors_more`` that know them (29, 28 and 18 sensors), which a test repeats.
+Dark current: published figures of CMV4000, IMX900 and OV5647 (125, 1.47 and 16 e-/s), without a dependence on
+the pitch. Read noise after the gain: its share of the dark variance at the lowest ISO from 100 on of 223
+still cameras (profiles published with darktable), as the recipe `noise_over_gain` fits it.
 """
 
 from __future__ import annotations

@@ -21,20 +21,12 @@ def find_tails(words: NDArray[np.uint64], tail_bits: int, count: int, tail: NDAr
 
     Four places are looked at together: seldom is one of them at an end.
 
-    Parameters
-    ----------
-    words
-        Places of 16 bits, four to a word, the first in the lowest.
-    tail_bits
-        Those at an end begin with 16 - `tail_bits` equal bits.
-    count
-        How many samples there are; what is beyond them in the last word is none.
-    tail
-        (N,) its beginning is filled with the numbers of those samples, in their order.
+    - `words`: places of 16 bits, four to a word, the first in the lowest.
+    - `tail_bits`: those at an end begin with 16 - `tail_bits` equal bits.
+    - `count`: how many samples there are; what is beyond them in the last word is none.
+    - `tail`: (N,) its beginning is filled with the numbers of those samples, in their order.
 
-    Returns
-    -------
-    How many there are.
+    Returns: how many there are.
     """
     found = 0
     ones = np.uint64(0x0001000100010001)
@@ -65,15 +57,11 @@ def add_scaled(
 ) -> None:
     """Scale normal numbers to the noise of samples, and add the samples, in place.
 
-    Parameters
-    ----------
-    expected
-        (N,) samples, pedestal included [DN].
-    photon, without_signal, thermal
-        (P,) again and again along the samples: variance per digital number of a sample, that of a sample of 0
-        on the same line, and the least, which is that of black [DN, DN^2, DN^2].
-    noisy
-        (N,) normal numbers, which become the noisy samples [DN].
+    - `expected`: (N,) samples, pedestal included [DN].
+    - `photon`, `without_signal`, `thermal`: (P,) again and again along the samples: variance per digital
+      number of a sample, that of a sample of 0 on the same line, and the least, which is that of black [DN,
+      DN^2, DN^2].
+    - `noisy`: (N,) normal numbers, which become the noisy samples [DN].
     """
     for start in range(0, len(expected), len(photon)):
         samples, numbers = expected[start : start + len(photon)], noisy[start : start + len(photon)]

@@ -57,12 +57,8 @@ class PlacedCandidate:
 class FeasibleCandidates:
     """The candidates of a design space that keep all constraints.
 
-    Parameters
-    ----------
-    coordinates
-        What images depend on, by name, for a candidate that keeps all constraints.
-    broken
-        By how much a candidate breaks constraints; empty where it keeps all.
+    - `coordinates`: what images depend on, by name, for a candidate that keeps all constraints.
+    - `broken`: by how much a candidate breaks constraints; empty where it keeps all.
     """
 
     def __init__(

@@ -104,9 +104,7 @@ class Evidence:
     def loss(self, logarithms: Array) -> tuple[float, Array]:
         """Minus the log posterior density, and its gradient by the logarithms.
 
-        References
-        ----------
-        Rasmussen and Williams 2006, eq. (5.8) and (5.9).
+        Source: Rasmussen and Williams 2006, eq. (5.8) and (5.9).
         """
         from scipy.linalg.lapack import dpotri  # late: checking a recipe fits nothing
 
@@ -155,14 +153,10 @@ def fit_hyperparameters(
 ) -> Hyperparameters:
     """The most probable hyperparameters, found by L-BFGS.
 
-    Parameters
-    ----------
-    inputs, values
-        As those of `GaussianProcess`.
-    counting
-        Standard deviation of the noise that is known beforehand.
-    start
-        Where to begin, such as what was found for fewer observations; by default the middle of the priors.
+    - `inputs`, `values`: as those of `GaussianProcess`.
+    - `counting`: standard deviation of the noise that is known beforehand.
+    - `start`: where to begin, such as what was found for fewer observations; by default the middle of the
+      priors.
     """
     from scipy.optimize import minimize  # late: checking a recipe fits nothing
 

@@ -52,9 +52,7 @@ class GaussianProcess:
     along the coordinates. What is predicted is ``m + f(x) + drift(latest)``: the value in a scene like those
     observed, on average.
 
-    References
-    ----------
-    Rasmussen and Williams 2006, "Gaussian processes for machine learning", algorithm 2.1.
+    Source: Rasmussen and Williams 2006, "Gaussian processes for machine learning", algorithm 2.1.
     """
 
     inputs: Inputs

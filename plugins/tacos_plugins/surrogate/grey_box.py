@@ -80,22 +80,13 @@ class GreyBox:
     ) -> GreyBox:
         """A model of each score of the fitness.
 
-        Parameters
-        ----------
-        observations
-            What came out, in the order in which it was observed.
-        fitness
-            Which scores count, and how much.
-        scales, depends_on
-            As `tacos_framework.contracts.DesignProblem` has them, by ``node.score``.
-        drift
-            The coordinate that is time, where tasks learn meanwhile. Predictions are for the latest.
-        system
-            The coordinates and their ranges; those of the observations by default.
-        start
-            Hyperparameters to begin from, by score.
-        fixed
-            Whether to keep those of `start` as they are, which is quicker.
+        - `observations`: what came out, in the order in which it was observed.
+        - `fitness`: which scores count, and how much.
+        - `scales`, `depends_on`: as `tacos_framework.contracts.DesignProblem` has them, by ``node.score``.
+        - `drift`: the coordinate that is time, where tasks learn meanwhile. Predictions are for the latest.
+        - `system`: the coordinates and their ranges; those of the observations by default.
+        - `start`: hyperparameters to begin from, by score.
+        - `fixed`: whether to keep those of `start` as they are, which is quicker.
         """
         points = [observation.coordinates for observation in observations]
         system = system or CoordinateSystem.spanning(points)

@@ -60,9 +60,7 @@ def matern(squared: Array) -> Array:
 
     `squared`: squared distances, in length scales.
 
-    References
-    ----------
-    Rasmussen and Williams 2006, "Gaussian processes for machine learning", eq. (4.17).
+    Source: Rasmussen and Williams 2006, "Gaussian processes for machine learning", eq. (4.17).
     """
     r = np.sqrt(5 * squared)
     return np.asarray((1 + r + r * r / 3) * np.exp(-r))

@@ -66,9 +66,7 @@ class Identity:
 class SquareRoot:
     """The root of a count, whose noise is then even: a Poisson count's has a standard deviation of 1/2.
 
-    References
-    ----------
-    Bartlett 1936, "The square root transformation in analysis of variance".
+    Source: Bartlett 1936, "The square root transformation in analysis of variance".
     """
 
     smallest_spread: float = 0.1
@@ -90,10 +88,8 @@ class SquareRoot:
 class Logit:
     """The logit of a share between 0 and 1, drawn `SHARE_MARGIN` inside.
 
-    References
-    ----------
-    MacKay 1992, "The evidence framework applied to classification networks", eq. (10): the mean of a logistic
-    function of a Gaussian value.
+    Source: MacKay 1992, "The evidence framework applied to classification networks", eq. (10): the mean of a
+    logistic function of a Gaussian value.
     """
 
     smallest_spread: float = 0.1

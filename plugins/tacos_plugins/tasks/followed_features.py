@@ -63,18 +63,12 @@ def extract_spread(detector: Any, grey: NDArray[np.uint8], *, cells: tuple[int, 
 
     A cell in which too little is found stays short: others do not make up for it.
 
-    Parameters
-    ----------
-    detector
-        An OpenCV detector that finds more than `most`, with the strength of each.
-    cells
-        Columns and rows of equal cells [1].
-    most
-        Features wanted of the whole image [1].
+    - `detector`: an OpenCV detector that finds more than `most`, with the strength of each.
+    - `cells`: columns and rows of equal cells [1].
+    - `most`: features wanted of the whole image [1].
 
-    References
-    ----------
-    Mur-Artal, Montiel, Tardos 2015, "ORB-SLAM: a versatile and accurate monocular SLAM system", Sec. V-A.
+    Source: Mur-Artal, Montiel, Tardos 2015, "ORB-SLAM: a versatile and accurate monocular SLAM system", Sec.
+    V-A.
     """
     keypoints = sorted(detector.detect(grey, None), key=lambda each: -each.response)
     columns, rows = cells
@@ -112,14 +106,9 @@ def follow(
 
     Equal features and seeds give equal counts, whatever else uses OpenCV's generator.
 
-    Parameters
-    ----------
-    threshold_px
-        Distance from its epipolar line (Sampson's) at which a match is still an inlier [px].
-    confidence
-        Probability that RANSAC meets a sample free of outliers [1].
-    seed
-        Of the samples that RANSAC draws.
+    - `threshold_px`: distance from its epipolar line (Sampson's) at which a match is still an inlier [px].
+    - `confidence`: probability that RANSAC meets a sample free of outliers [1].
+    - `seed`: of the samples that RANSAC draws.
     """
     matches = match(first, second)
     inliers = 0

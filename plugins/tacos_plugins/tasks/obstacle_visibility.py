@@ -33,22 +33,18 @@ class ObstacleVisibility:
     A step that names its walk (`Crossing.walk`) belongs to that; others count in the walk whose frames lie
     around them, and outside the time the frames span not at all. An episode without any has no score.
 
+    Source: the paper, Sec. 4.3, o_seen / o_total. Holst, "Electro-optical imaging system performance": P =
+    (N/N50)^E / (1 + (N/N50)^E) with E = 2.7 + 0.7 N/N50 and N50 = 4 for recognition.
+
     Notes
     -----
     What it takes to recognise a thing is counted in line pairs across its shorter side, of two pixels each:
     half of all observers recognise it with 4, and 98 % with 10 (Johnson's criterion, with the transfer
     function of the reference). A threshold two metres ahead looks seven times as wide as deep, so 20 pixels
     across are 20 x 140 in all, about the 3000 of `enough_pixels`. For compact things 400 are right.
-
-    References
-    ----------
-    The paper, Sec. 4.3, o_seen / o_total. Holst, "Electro-optical imaging system performance":
-    P = (N/N50)^E / (1 + (N/N50)^E) with E = 2.7 + 0.7 N/N50 and N50 = 4 for recognition.
     """
 
     class Config(Settings):
-        """Settings of the task."""
-
         min_pixels: int = setting(
             1,
             help="For seen_ratio, photosites an obstacle must cover to be seen.",

@@ -73,15 +73,11 @@ class OrbFeatures:
     A camera with more photosites finds more features and is held to a finer tolerance, as in the paper. The
     detection threshold is in 1/255 of full scale.
 
-    References
-    ----------
-    The paper, Sec. 4.3; Rublee et al. 2011, "ORB: an efficient alternative to SIFT or SURF"; Fischler and
-    Bolles 1981, "Random sample consensus".
+    Sources: The paper, Sec. 4.3; Rublee et al. 2011, "ORB: an efficient alternative to SIFT or SURF";
+    Fischler and Bolles 1981, "Random sample consensus".
     """
 
     class Config(Settings):
-        """Settings of the task."""
-
         camera: str | None = setting(None, help="Name of the camera that is scored; by default the first.")
         features: int = setting(2000, help="Features kept per frame, the strongest.", ge=1)
         cells: tuple[Cells, Cells] = setting(

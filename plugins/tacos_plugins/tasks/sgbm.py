@@ -34,15 +34,11 @@ class Sgbm:
 
     The scores are those of `DepthScores`.
 
-    References
-    ----------
-    Hirschmueller 2008, "Stereo processing by semiglobal matching and mutual information"; Menze and Geiger
-    2015, "Object scene flow for autonomous vehicles" (filling of the development kit).
+    Sources: Hirschmueller 2008, "Stereo processing by semiglobal matching and mutual information"; Menze and
+    Geiger 2015, "Object scene flow for autonomous vehicles" (filling of the development kit).
     """
 
     class Config(Settings):
-        """Settings of the task."""
-
         left: str | None = setting(None, help="Name of the left camera; by default the first.")
         right: str | None = setting(None, help="Name of the right camera; by default the second.")
         max_disparity: int = setting(

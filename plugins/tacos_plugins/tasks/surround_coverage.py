@@ -32,8 +32,6 @@ class SurroundCoverage:
     """
 
     class Config(Settings):
-        """Settings of the task."""
-
         elevation_deg: float = setting(
             30.0, help="For covered, how far above and below the horizon counts.", unit="deg", gt=0, le=90
         )
@@ -98,15 +96,10 @@ class SurroundScorer:
 def covered_share(cameras: Sequence[Camera], elevation_deg: float, least_px_per_deg: float) -> float:
     """Share of the directions about the horizon that some camera has in view, finely enough.
 
-    Parameters
-    ----------
-    cameras
-        All of a rig; where they sit does not matter, only where they look.
-    elevation_deg
-        How far above and below the horizon counts [deg].
-    least_px_per_deg
-        Photosites to the degree that a direction must be seen with. A pinhole image has ``f / cos(a)`` to the
-        radian across the radius, at an angle a from its axis, and more along it [px/deg].
+    - `cameras`: all of a rig; where they sit does not matter, only where they look.
+    - `elevation_deg`: how far above and below the horizon counts [deg].
+    - `least_px_per_deg`: photosites to the degree that a direction must be seen with. A pinhole image has ``f
+      / cos(a)`` to the radian across the radius, at an angle a from its axis, and more along it [px/deg].
 
     Examples
     --------

@@ -21,9 +21,7 @@ class Resize:
     pixel, is dropped evenly. Depth and ids are those at the centre of each new pixel. To tasks the new pixels
     are the camera's own (`Camera.sensor_binning`).
 
-    References
-    ----------
-    The mean over areas is OpenCV's ``INTER_AREA``, which it equals for whole factors.
+    Source: The mean over areas is OpenCV's ``INTER_AREA``, which it equals for whole factors.
     """
 
     class Config(Settings):

@@ -34,18 +34,11 @@ class _Member(PoolWorker):
 class ActorPool(JobPool[_Member]):
     """Actors that hold one function.
 
-    Parameters
-    ----------
-    workers
-        How many at most; those for which no node has room wait until one has.
-    needs
-        What each takes up.
-    attempts
-        How often a job is tried whose worker is lost or hangs.
-    job_s
-        Longest time for one job; None for any [s].
-    environment
-        Environment variables they start with.
+    - `workers`: how many at most; those for which no node has room wait until one has.
+    - `needs`: what each takes up.
+    - `attempts`: how often a job is tried whose worker is lost or hangs.
+    - `job_s`: longest time for one job; None for any [s].
+    - `environment`: environment variables they start with.
     """
 
     def __init__(

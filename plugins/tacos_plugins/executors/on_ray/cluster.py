@@ -68,11 +68,8 @@ class Cluster:
 
     Raises `UserError` when Ray is not installed, or no cluster answers.
 
-    Parameters
-    ----------
-    address
-        ``local`` starts a cluster on this machine; ``auto`` joins the one that ``ray start`` began here or
-        that RAY_ADDRESS names; else ``host:port`` of a running one.
+    - `address`: ``local`` starts a cluster on this machine; ``auto`` joins the one that ``ray start`` began
+      here or that RAY_ADDRESS names; else ``host:port`` of a running one.
     """
 
     def __init__(self, address: str, own_cpus: int) -> None:

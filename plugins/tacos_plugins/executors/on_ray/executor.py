@@ -28,20 +28,16 @@ class RayExecutor(PoolExecutor):
     A cluster of our own listens on the loopback interface alone, has no dashboard, and ends with `close` or
     with this process. No usage statistics are sent.
 
+    Source: Moritz et al. 2018, "Ray: A distributed framework for emerging AI applications", OSDI.
+
     Examples
     --------
     As a recipe says it::
 
         executor: {use: executor.ray, address: auto, gpus_per_worker: 0.5}
-
-    References
-    ----------
-    Moritz et al. 2018, "Ray: A distributed framework for emerging AI applications", OSDI.
     """
 
     class Config(Settings):
-        """Settings of the executor."""
-
         address: str = setting(
             LOCAL,
             help="The cluster: local starts one on this machine for the run; auto joins the one that "

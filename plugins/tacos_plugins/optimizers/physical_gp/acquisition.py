@@ -21,10 +21,8 @@ def expected_improvement(posterior: FitnessPosterior, incumbent: float) -> Array
 
     A sum of scores on scales of their own is not Gaussian, so the mean is taken over draws.
 
-    References
-    ----------
-    Mockus et al. 1978, "The application of Bayesian methods for seeking the extremum"; Balandat et al. 2020,
-    "BoTorch" (by draws, the same ones for all points).
+    Sources: Mockus et al. 1978, "The application of Bayesian methods for seeking the extremum"; Balandat et
+    al. 2020, "BoTorch" (by draws, the same ones for all points).
     """
     draws = posterior.marginal_draws(normal_rule(DRAWS, len(posterior.models)))
     return np.asarray(np.maximum(draws - incumbent, 0.0).mean(axis=0))
@@ -33,20 +31,14 @@ def expected_improvement(posterior: FitnessPosterior, incumbent: float) -> Array
 def chosen_in_turn(posterior: FitnessPosterior, incumbent: float, chances: Array, count: int) -> list[int]:
     """The numbers of `count` points of most expected improvement, each as if the ones before were known.
 
-    Parameters
-    ----------
-    posterior
-        Of the points to choose from.
-    incumbent
-        The fitness to exceed.
-    chances
-        (points,) what expected improvements are multiplied by; 0 for a point that must not be chosen.
-    count
-        How many; fewer where no others may be chosen.
+    - `posterior`: of the points to choose from.
+    - `incumbent`: the fitness to exceed.
+    - `chances`: (points,) what expected improvements are multiplied by; 0 for a point that must not be
+      chosen.
+    - `count`: how many; fewer where no others may be chosen.
 
-    References
-    ----------
-    Ginsbourger et al. 2010, "Kriging is well-suited to parallelize optimization" (the Kriging believer).
+    Source: Ginsbourger et al. 2010, "Kriging is well-suited to parallelize optimization" (the Kriging
+    believer).
     """
     chances = chances.copy()
     chosen: list[int] = []

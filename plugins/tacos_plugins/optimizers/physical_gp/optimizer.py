@@ -46,6 +46,9 @@ class PhysicalGp:
     What failed is not asked again, and what is near it seldom. Where no rig or task says anything of the
     problem, candidates are compared by their variables and their fitness.
 
+    Sources: Jones et al. 1998, "Efficient global optimization of expensive black-box functions"; Astudillo
+    and Frazier 2019, "Bayesian optimization of composite functions" (a process for each part of a known sum).
+
     Examples
     --------
     >>> from tacos_framework.variables.design_space import Continuous
@@ -57,18 +60,11 @@ class PhysicalGp:
     >>> best, = search.recommend(1)
     >>> reason, bool(abs(best.values["baseline_m"] - 1.6) < 0.1)
     ('all 14 candidates were evaluated', True)
-
-    References
-    ----------
-    Jones et al. 1998, "Efficient global optimization of expensive black-box functions"; Astudillo and Frazier
-    2019, "Bayesian optimization of composite functions" (a process for each part of a known sum).
     """
 
     budget: ClassVar[str] = "evaluations"
 
     class Config(Settings):
-        """Settings of the optimizer."""
-
         evaluations: int = setting(
             40, help="Candidates evaluated in all.", ge=1, also=("budget", "trials", "iterations", "steps")
         )

@@ -49,12 +49,8 @@ class Located:
 class Pool:
     """Where a search takes its candidates from.
 
-    Parameters
-    ----------
-    feasible
-        What keeps all constraints.
-    seed
-        Of the candidates that are compared in all rounds.
+    - `feasible`: what keeps all constraints.
+    - `seed`: of the candidates that are compared in all rounds.
     """
 
     def __init__(self, feasible: FeasibleCandidates, seed: int) -> None:

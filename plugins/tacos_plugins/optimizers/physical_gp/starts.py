@@ -18,9 +18,7 @@ def spread_out(rows: Array, count: int, rng: np.random.Generator) -> list[int]:
 
     `rows`: (points, names) scaled coordinates of those to choose from.
 
-    References
-    ----------
-    McKay et al. 1979, "A comparison of three methods for selecting values of input variables".
+    Source: McKay et al. 1979, "A comparison of three methods for selecting values of input variables".
     """
     from scipy.stats import qmc, rankdata  # late: checking a recipe draws nothing
 

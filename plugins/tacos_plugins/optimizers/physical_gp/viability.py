@@ -24,9 +24,7 @@ class Viability:
     A Gaussian process of +1 for what could be and -1 for what failed, fitted by least squares, is quick, and
     finds which coordinates the border depends on.
 
-    References
-    ----------
-    Rasmussen and Williams 2006, "Gaussian processes for machine learning", Sec. 6.5 (least-squares
+    Source: Rasmussen and Williams 2006, "Gaussian processes for machine learning", Sec. 6.5 (least-squares
     classification).
     """
 

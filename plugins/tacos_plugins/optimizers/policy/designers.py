@@ -11,14 +11,9 @@ from numpy.typing import NDArray
 class Designers:
     """Cameras side by side, each changed a number of times and then begun anew.
 
-    Parameters
-    ----------
-    steps
-        Changes of one camera before the next one begins.
-    step_size
-        How far an action of 1 moves a gene, relative to its range [1].
-    rng
-        Draws where cameras begin.
+    - `steps`: changes of one camera before the next one begins.
+    - `step_size`: how far an action of 1 moves a gene, relative to its range [1].
+    - `rng`: draws where cameras begin.
     """
 
     def __init__(

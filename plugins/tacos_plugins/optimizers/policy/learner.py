@@ -42,14 +42,9 @@ class Learner:
     Nothing global is seeded or drawn from: actions and the order of minibatches come from `rng`, and so does
     the seed of the first weights. It computes on the CPU, where the networks are too small for a GPU to help.
 
-    Parameters
-    ----------
-    rollout
-        Steps of each camera between two updates.
-    hidden
-        Units of the hidden layers, of the policy and of the value alike.
-    update
-        Further arguments of `stable_baselines3.PPO`.
+    - `rollout`: steps of each camera between two updates.
+    - `hidden`: units of the hidden layers, of the policy and of the value alike.
+    - `update`: further arguments of `stable_baselines3.PPO`.
     """
 
     def __init__(
@@ -102,14 +97,11 @@ class Learner:
     ) -> None:
         """Take in what came of a step; at the end of a rollout, update the networks.
 
-        Parameters
-        ----------
-        rewards
-            (count,) float32.
-        reached, following
-            (count, genes) observations of where the actions led, and of where the next ones begin.
-        over
-            Whether the cameras' time was over: they could have gone on, so that what was to come counts.
+        - `rewards`: (count,) float32.
+        - `reached`, `following`: (count, genes) observations of where the actions led, and of where the next
+          ones begin.
+        - `over`: whether the cameras' time was over: they could have gone on, so that what was to come
+          counts.
         """
         with torch.no_grad():
             if over:

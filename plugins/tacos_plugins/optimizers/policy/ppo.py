@@ -35,6 +35,10 @@ class Ppo:
     The defaults are PPO's own as Stable-Baselines3 has them, with a shorter rollout (64 changes instead of
     2048), since a study affords some thousand candidates in all.
 
+    Sources: Klinghoffer et al. 2023, "DISeR: Designing imaging systems with reinforcement learning", ICCV;
+    Schulman et al. 2017, "Proximal policy optimization algorithms"; Raffin et al. 2021, "Stable-Baselines3",
+    JMLR 22.
+
     Examples
     --------
     >>> from tacos_framework.variables.design_space import Continuous
@@ -44,16 +48,9 @@ class Ppo:
     ...     search.tell([Evaluated(c, -abs(c.values["baseline_m"] - 1.6)) for c in search.ask()])
     >>> reason
     'all 8 candidates were evaluated'
-
-    References
-    ----------
-    Klinghoffer et al. 2023, "DISeR: Designing imaging systems with reinforcement learning", ICCV; Schulman
-    et al. 2017, "Proximal policy optimization algorithms"; Raffin et al. 2021, "Stable-Baselines3", JMLR 22.
     """
 
     class Config(Settings):
-        """Settings of the optimizer."""
-
         evaluations: int = setting(
             1000,
             help="Candidates asked in all; 1000 in the paper.",

@@ -25,9 +25,7 @@ class BlenderRenderer:
 
     Blender runs in a process of its own, one for each batch of frames.
 
-    References
-    ----------
-    Blender Foundation, Cycles, as the Python module bpy.
+    Source: Blender Foundation, Cycles, as the Python module bpy.
     """
 
     class Config(Settings):

@@ -23,12 +23,10 @@ def near_ambient_visibility(
     `point_m`, `normal`: (N, 3) [m, 1]. `wanted`: (N,) points to look at; the others come out open and not
     buried.
 
-    Returns
-    -------
-    ambient_visibility
-        (N,) float32, 1 where nothing is within `REACH_M` [1].
-    buried
-        (N,) bool.
+    Returns:
+
+    - `ambient_visibility`: (N,) float32, 1 where nothing is within `REACH_M` [1].
+    - `buried`: (N,) bool.
     """
     ambient_visibility = np.ones(len(point_m), np.float32)
     buried = np.zeros(len(point_m), dtype=bool)

@@ -157,12 +157,10 @@ def pack_shelves(size: NDArray[np.int32]) -> tuple[NDArray[np.int32], tuple[int,
 
     `size`: (C, 2) int32 widths and heights [texels].
 
-    Returns
-    -------
-    place
-        (C, 2) int32 first column and row of each.
-    map_size
-        Width and height that hold them all.
+    Returns:
+
+    - `place`: (C, 2) int32 first column and row of each.
+    - `map_size`: width and height that hold them all.
 
     Examples
     --------

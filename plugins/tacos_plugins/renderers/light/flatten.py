@@ -135,12 +135,10 @@ def cut_into_chunks(
 
     `kind`: (T,) int32 `SurfaceKind` of each triangle. `mover`: (T,) int32 as `movers` gives it.
 
-    Returns
-    -------
-    order
-        (T,) the triangles in their new order.
-    chunks
-        Runs of that order.
+    Returns:
+
+    - `order`: (T,) the triangles in their new order.
+    - `chunks`: runs of that order.
     """
     corners = mesh.corners_m.astype(np.float64)
     lower, upper = corners.min(axis=1), corners.max(axis=1)

@@ -119,14 +119,9 @@ def paint_light(
 ) -> None:
     """Paint a light's luminance into a face where nothing hides it, keeping the illuminance it gives.
 
-    Parameters
-    ----------
-    luminance
-        (H, W, 3), painted into [cd/m2].
-    depth_m
-        (H, W) [m].
-    rays
-        (H, W, 3) directions of the pixels in the world, of depth 1 [1].
+    - `luminance`: (H, W, 3), painted into [cd/m2].
+    - `depth_m`: (H, W) [m].
+    - `rays`: (H, W, 3) directions of the pixels in the world, of depth 1 [1].
     """
     to_light = light.position_m - place_m
     if light.normal is None:

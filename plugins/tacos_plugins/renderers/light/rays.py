@@ -27,10 +27,7 @@ class RayHits:
 class RayTracer:
     """A mesh that rays can be traced against.
 
-    Parameters
-    ----------
-    corners_m
-        (T, 3, 3) corners of the triangles [m].
+    - `corners_m`: (T, 3, 3) corners of the triangles [m].
     """
 
     def __init__(self, corners_m: NDArray[np.float32]):

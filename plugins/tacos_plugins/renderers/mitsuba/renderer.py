@@ -34,9 +34,7 @@ class MitsubaRenderer:
     drawn from `seed` and the frame's number in the episode, so a frame comes out the same however an episode
     is cut.
 
-    References
-    ----------
-    Jakob, W., et al. (2022). Mitsuba 3 renderer.
+    Source: Jakob, W., et al. (2022). Mitsuba 3 renderer.
     """
 
     class Config(Settings):

@@ -18,12 +18,8 @@ from tacos_plugins.renderers.traced.truth import TracedTruth
 class TracedWorld:
     """One world, translated.
 
-    Parameters
-    ----------
-    mitsuba
-        The module, set to the variant to compute with.
-    world
-        The world. Its `indirect_lux` is not used: reflections are traced.
+    - `mitsuba`: the module, set to the variant to compute with.
+    - `world`: the world. Its `indirect_lux` is not used: reflections are traced.
 
     Attributes
     ----------

@@ -32,12 +32,8 @@ class DrawList:
 class Culling:
     """The chunks of a world and the surfaces in them.
 
-    Parameters
-    ----------
-    triangles
-        (T, 3) int32 vertices of the triangles in the order of the chunks.
-    surface
-        (V,) int32 smooth surface of each vertex, from 1.
+    - `triangles`: (T, 3) int32 vertices of the triangles in the order of the chunks.
+    - `surface`: (V,) int32 smooth surface of each vertex, from 1.
     """
 
     def __init__(self, chunks: Chunks, triangles: NDArray[np.int32], surface: NDArray[np.int32]):
@@ -97,10 +93,8 @@ def frustum_planes(clip_from_world: NDArray[np.float64]) -> NDArray[np.float64]:
 
     Returns: (6, 4) float64 with normals of unit length: left, right, first row, last row, near, far [1, m].
 
-    References
-    ----------
-    Gribb and Hartmann 2001, "Fast extraction of viewing frustum planes from the
-    world-view-projection matrix".
+    Source: Gribb and Hartmann 2001, "Fast extraction of viewing frustum planes from the world-view-projection
+    matrix".
     """
     x, y, z, w = clip_from_world
     planes = np.stack([w + x, w - x, w + y, w - y, w + z, w - z])

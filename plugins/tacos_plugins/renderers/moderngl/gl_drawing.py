@@ -48,10 +48,7 @@ class Programs:
 class GlDrawing:
     """What OpenGL draws one world with.
 
-    Parameters
-    ----------
-    world
-        The uploaded world, owned from now on.
+    - `world`: the uploaded world, owned from now on.
     """
 
     def __init__(self, programs: Programs, world: GpuWorld):

@@ -25,10 +25,7 @@ if TYPE_CHECKING:
 class Painter:
     """Draws one world.
 
-    Parameters
-    ----------
-    world
-        The world, owned from now on.
+    - `world`: the world, owned from now on.
     """
 
     def __init__(self, world: DrawnWorld):

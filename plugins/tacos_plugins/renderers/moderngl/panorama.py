@@ -65,10 +65,7 @@ def cube_camera(edge_px: int) -> Camera:
 class FaceStore:
     """Faces by what they show; those used longest ago go when the memory is full.
 
-    Parameters
-    ----------
-    most_bytes
-        Memory that may be held; the face asked for last is always kept [bytes].
+    - `most_bytes`: memory that may be held; the face asked for last is always kept [bytes].
     """
 
     def __init__(self, most_bytes: int):

@@ -43,12 +43,8 @@ class Photographer(Protocol):
 class Multisampling:
     """Averages several samples of colour per pixel: for GPUs, which do it at little cost.
 
-    Parameters
-    ----------
-    camera, near_m
-        The camera, and the least depth it sees [m].
-    samples
-        Samples per pixel [1].
+    - `camera`, `near_m`: the camera, and the least depth it sees [m].
+    - `samples`: samples per pixel [1].
     """
 
     def __init__(self, targets: TargetPool, camera: Camera, near_m: float, samples: int):
@@ -102,12 +98,8 @@ class Multisampling:
 class EdgeBlending:
     """Shades each pixel once and blends where surfaces meet (see `coverage`).
 
-    Parameters
-    ----------
-    camera, near_m
-        The camera, and the least depth it sees [m].
-    by_loops
-        Whether compiled loops shade rather than OpenGL, as is faster where that is software.
+    - `camera`, `near_m`: the camera, and the least depth it sees [m].
+    - `by_loops`: whether compiled loops shade rather than OpenGL, as is faster where that is software.
     """
 
     def __init__(self, targets: TargetPool, camera: Camera, near_m: float, by_loops: bool):

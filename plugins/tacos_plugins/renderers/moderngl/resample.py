@@ -29,16 +29,10 @@ _EDGE_SLACK = 1e-6  # directions between two faces belong to both
 class Resampling:
     """Takes pictures from cube maps of the places where they are taken.
 
-    Parameters
-    ----------
-    place
-        What else the faces depend on: world, light, least depth.
-    edge_px
-        Pixels across a face [px].
-    of_faces
-        Takes the pictures of the faces, through `cube_camera`.
-    direct
-        Takes the pictures for which the faces are too coarse, through the camera.
+    - `place`: what else the faces depend on: world, light, least depth.
+    - `edge_px`: pixels across a face [px].
+    - `of_faces`: takes the pictures of the faces, through `cube_camera`.
+    - `direct`: takes the pictures for which the faces are too coarse, through the camera.
     """
 
     def __init__(
@@ -138,10 +132,9 @@ def fineness(camera: Camera, rotation: NDArray[np.float64], edge_px: int) -> NDA
     `rotation`: (3, 3) axes of the camera in the world, along whose axes the faces look [1]. `edge_px`: pixels
     across a face [px].
 
-    Returns
-    -------
-    fineness
-        (81,) on a grid of 9 x 9 rays from corner to corner [1].
+    Returns:
+
+    - `fineness`: (81,) on a grid of 9 x 9 rays from corner to corner [1].
     """
     (cx, cy), focal = camera.centre_px, camera.focal_length_px
     x, y = np.meshgrid(

@@ -19,16 +19,10 @@ _MOST_BUFFERS = 8  # those of two cameras
 class RenderTarget:
     """What one size of image is rendered into: floats with depth test, one or several samples a pixel.
 
-    Parameters
-    ----------
-    size
-        Width and height [px].
-    channels
-        1, 2 or 4 floats per pixel [1].
-    samples
-        Samples per pixel; 1 lies at the pixel centre [1].
-    fills_depth
-        Whether depth can be filled in before something is drawn.
+    - `size`: width and height [px].
+    - `channels`: 1, 2 or 4 floats per pixel [1].
+    - `samples`: samples per pixel; 1 lies at the pixel centre [1].
+    - `fills_depth`: whether depth can be filled in before something is drawn.
     """
 
     def __init__(

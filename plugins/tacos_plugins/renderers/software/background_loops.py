@@ -33,14 +33,10 @@ def sky(
 ) -> None:
     """Fill in a panorama where (H, W) pixels see no triangle.
 
-    Parameters
-    ----------
-    sky_cd_m2
-        (rows, columns, 3) from the zenith to the nadir, and from +x by way of +y [cd/m2].
-    rays
-        (4, 3) change of a pixel's ray along columns and along rows, ray of pixel (0, 0), and one more row.
-    triangle, luminance_cd_m2
-        (H, W) what pixels see, and (H, W, 3) to be filled in [cd/m2].
+    - `sky_cd_m2`: (rows, columns, 3) from the zenith to the nadir, and from +x by way of +y [cd/m2].
+    - `rays`: (4, 3) change of a pixel's ray along columns and along rows, ray of pixel (0, 0), and one more
+      row.
+    - `triangle`, `luminance_cd_m2`: (H, W) what pixels see, and (H, W, 3) to be filled in [cd/m2].
     """
     rows, columns = sky_cd_m2.shape[0], sky_cd_m2.shape[1]
     for y in range(triangle.shape[0]):

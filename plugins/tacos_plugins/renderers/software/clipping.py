@@ -1,8 +1,6 @@
 """Triangles that reach behind the camera or far beside the image, cut to what can be drawn.
 
-References
-----------
-Sutherland and Hodgman, "Reentrant polygon clipping", CACM 1974.
+Source: Sutherland and Hodgman, "Reentrant polygon clipping", CACM 1974.
 """
 
 from __future__ import annotations

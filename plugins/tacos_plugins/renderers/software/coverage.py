@@ -73,22 +73,15 @@ def seeing_several(
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """The pixels whose nine places see more than one surface.
 
-    Parameters
-    ----------
-    triangle
-        (2 R + 1, 2 W + 1) number of the triangle seen at every half pixel of R rows: row 2 y + 1 and column
-        2 x + 1 belong to the centre of a pixel.
-    surface_of_triangle
-        (T + 1,) the surface that each triangle is of, 0 for no triangle.
-    first_row
-        Row of the image that the first of them is.
+    - `triangle`: (2 R + 1, 2 W + 1) number of the triangle seen at every half pixel of R rows: row 2 y + 1
+      and column 2 x + 1 belong to the centre of a pixel.
+    - `surface_of_triangle`: (T + 1,) the surface that each triangle is of, 0 for no triangle.
+    - `first_row`: row of the image that the first of them is.
 
-    Returns
-    -------
-    pixel
-        (K,) index in the image.
-    wanted
-        (K, 8) surface seen at each place around.
+    Returns:
+
+    - `pixel`: (K,) index in the image.
+    - `wanted`: (K, 8) surface seen at each place around.
     """
     height, width = triangle.shape[0] // 2, triangle.shape[1] // 2
     pixel, wanted = np.empty(height * width, np.int32), np.empty((height * width, 8), np.int32)

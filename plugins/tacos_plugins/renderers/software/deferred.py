@@ -36,10 +36,8 @@ class Views:
 class DeferredShading:
     """Shades pixels of which it is known what they see.
 
-    Parameters
-    ----------
-    batch, between
-        Memory for pixels that are shaded together, and for those of them that mirror a second probe.
+    - `batch`, `between`: memory for pixels that are shaded together, and for those of them that mirror a
+      second probe.
     """
 
     def __init__(self, batch: PixelBatch, between: PixelBatch, tables: ShadingTables):

@@ -109,16 +109,10 @@ def mirror_rays(
 ) -> None:
     """Turn normals into the directions that are mirrored, and find the probes that are mirrored there.
 
-    Parameters
-    ----------
-    probe_map
-        (rows, columns) as `ProbeMap.packed` gives it.
-    map_origin
-        x and y of its corner [m], and cells per metre.
-    materials
-        (M, 9) see `ShadingTables`.
-    floats, integers
-        Rows of a `PixelBatch`.
+    - `probe_map`: (rows, columns) as `ProbeMap.packed` gives it.
+    - `map_origin`: x and y of its corner [m], and cells per metre.
+    - `materials`: (M, 9) see `ShadingTables`.
+    - `floats`, `integers`: rows of a `PixelBatch`.
     """
     columns = np.int32(probe_map.shape[1])
     cells, table = probe_map.reshape(-1), materials.reshape(-1)

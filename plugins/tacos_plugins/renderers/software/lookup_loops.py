@@ -208,16 +208,10 @@ def look_into_probes(
 ) -> None:
     """Luminance that probes show along directions, with the parallax of their boxes.
 
-    Parameters
-    ----------
-    probes
-        (probes * levels, E, E, 3) octahedral luminance with a border [cd/m2].
-    boxes
-        (probes, 3, 3) place, and lower and upper corner of the room [m].
-    levels, scale
-        Layers of a probe, and of octahedral coordinates into one.
-    floats, integers
-        Rows of a `PixelBatch`: directions stand in those of the normal.
+    - `probes`: (probes * levels, E, E, 3) octahedral luminance with a border [cd/m2].
+    - `boxes`: (probes, 3, 3) place, and lower and upper corner of the room [m].
+    - `levels`, `scale`: layers of a probe, and of octahedral coordinates into one.
+    - `floats`, `integers`: rows of a `PixelBatch`: directions stand in those of the normal.
     """
     layers, corners, edge = probes.reshape(-1), boxes.reshape(-1), np.int32(probes.shape[1])
     last, half_edge = np.float32(probes.shape[1] - 1), np.float32(probes.shape[1] / 2 - 0.5)

@@ -46,22 +46,13 @@ def project(
 ) -> Projected:
     """Find the triangles of some runs on an image.
 
-    Parameters
-    ----------
-    position_m
-        (V, 3) places of vertices [m].
-    triangles
-        (T, 3) vertices of each triangle.
-    runs
-        (R, 2) first triangle and number of triangles of each run.
-    pixel_from_world
-        (3, 4) see `Viewpoint`.
-    shape
-        Rows and columns of the image [px].
-    near_m
-        What is nearer is cut off [m].
-    closed
-        Whether backs are never seen, and need not be drawn.
+    - `position_m`: (V, 3) places of vertices [m].
+    - `triangles`: (T, 3) vertices of each triangle.
+    - `runs`: (R, 2) first triangle and number of triangles of each run.
+    - `pixel_from_world`: (3, 4) see `Viewpoint`.
+    - `shape`: rows and columns of the image [px].
+    - `near_m`: what is nearer is cut off [m].
+    - `closed`: whether backs are never seen, and need not be drawn.
     """
     room = 2 * int(runs[:, 1].sum()) + CORNERS
     while True:

@@ -34,23 +34,15 @@ def runs_by_kind(
 ) -> tuple[NDArray[np.int32], NDArray[np.int64], NDArray[np.int32]]:
     """The runs of pixels that see one triangle, those of a kind together.
 
-    Parameters
-    ----------
-    triangle
-        (H, W) number of the triangle that each pixel sees, 0 for none.
-    kind_of_triangle
-        (T + 1,) kind of each, from 0.
-    kinds
-        How many there are.
+    - `triangle`: (H, W) number of the triangle that each pixel sees, 0 for none.
+    - `kind_of_triangle`: (T + 1,) kind of each, from 0.
+    - `kinds`: how many there are.
 
-    Returns
-    -------
-    runs
-        (R, 5) int32: triangle, its place in `seen`, row, first column, pixels.
-    first
-        (kinds + 1,) first run of each kind.
-    seen
-        (S,) int32 the triangles seen.
+    Returns:
+
+    - `runs`: (R, 5) int32: triangle, its place in `seen`, row, first column, pixels.
+    - `first`: (kinds + 1,) first run of each kind.
+    - `seen`: (S,) int32 the triangles seen.
     """
     slot, seen = np.full(len(kind_of_triangle), -1, np.int32), np.empty(len(kind_of_triangle), np.int32)
     first = np.zeros(kinds + 1, np.int64)
@@ -124,19 +116,13 @@ def planes(
 ) -> None:
     """What triangles say over depth, as planes above the image.
 
-    Parameters
-    ----------
-    seen
-        (S,) numbers of triangles, from 1.
-    triangles, position_m, attributes
-        (T, 3), (V, 3) and (V, A): vertices, their places [m] and what they say.
-    mover_of_triangle
-        (T + 1,) which of the views is that of the triangle.
-    pixel_from_world
-        (M, 3, 4) of each thing that moves, and of all that rests [px m, m].
-    found
-        (S, A + 1, 5) is filled: change along columns and rows, and level at pixel (0, 0), each over depth;
-        least and most, at a corner. The last is 1 over depth.
+    - `seen`: (S,) numbers of triangles, from 1.
+    - `triangles`, `position_m`, `attributes`: (T, 3), (V, 3) and (V, A): vertices, their places [m] and what
+      they say.
+    - `mover_of_triangle`: (T + 1,) which of the views is that of the triangle.
+    - `pixel_from_world`: (M, 3, 4) of each thing that moves, and of all that rests [px m, m].
+    - `found`: (S, A + 1, 5) is filled: change along columns and rows, and level at pixel (0, 0), each over
+      depth; least and most, at a corner. The last is 1 over depth.
     """
     count = attributes.shape[1]
     corner = np.empty((3, 3))
@@ -192,29 +178,20 @@ def interpolate(
 ) -> tuple[int, tuple[int, int]]:
     """Fill a batch with what runs say at each of their pixels.
 
-    Parameters
-    ----------
-    runs, begin
-        (R, 5) the runs of a kind; the first that is not in a batch yet, and how many of its pixels are.
-    planes, rows
-        As `planes` gives them, and the rows of the batch that get an attribute.
-    wanted
-        Whether changes of texture coordinates are, and whether rays and places.
-    depth_m
-        (H, W) depth of what each pixel sees [m].
-    rays
-        (M, 4, 3) of each view: change of a pixel's ray along columns and along rows, ray of pixel (0, 0), all
-        of depth 1, and the optical centre [m].
-    mover_of_triangle, flat
-        (T + 1,) which of the views is that of a triangle; (T + 1, 3) its layers of texture and normal map,
-        and its material.
-    floats, integers
-        Rows of a `PixelBatch`, to be filled.
+    - `runs`, `begin`: (R, 5) the runs of a kind; the first that is not in a batch yet, and how many of its
+      pixels are.
+    - `planes`, `rows`: as `planes` gives them, and the rows of the batch that get an attribute.
+    - `wanted`: whether changes of texture coordinates are, and whether rays and places.
+    - `depth_m`: (H, W) depth of what each pixel sees [m].
+    - `rays`: (M, 4, 3) of each view: change of a pixel's ray along columns and along rows, ray of pixel (0,
+      0), all of depth 1, and the optical centre [m].
+    - `mover_of_triangle`, `flat`: (T + 1,) which of the views is that of a triangle; (T + 1, 3) its layers of
+      texture and normal map, and its material.
+    - `floats`, `integers`: rows of a `PixelBatch`, to be filled.
 
-    Returns
-    -------
-    count, next
-        How many pixels the batch has, and where the next one begins.
+    Returns:
+
+    - `count`, `next`: how many pixels the batch has, and where the next one begins.
     """
     width = depth_m.shape[1]
     over_depth = planes.shape[1] - 1

@@ -66,14 +66,10 @@ def at_centres(
 ) -> None:
     """What pixel centres see in an image of half pixels.
 
-    Parameters
-    ----------
-    inverse_depth, triangle
-        (2 H + 1, 2 W + 1) as drawn [1/m, 1].
-    surface_of_triangle
-        (T + 1,) the surface that each triangle is of, 0 for no triangle.
-    depth_m, seen, surface
-        (H, W) are filled: depth, infinite for nothing [m]; triangle and surface, 0 for nothing.
+    - `inverse_depth`, `triangle`: (2 H + 1, 2 W + 1) as drawn [1/m, 1].
+    - `surface_of_triangle`: (T + 1,) the surface that each triangle is of, 0 for no triangle.
+    - `depth_m`, `seen`, `surface`: (H, W) are filled: depth, infinite for nothing [m]; triangle and surface,
+      0 for nothing.
     """
     height, width = depth_m.shape
     for y in range(height):
@@ -92,15 +88,11 @@ def farthest_behind(
 ) -> None:
     """A depth buffer that hides from OpenGL what no pixel sees.
 
-    Parameters
-    ----------
-    inverse_depth
-        (2 H + 1, 2 W + 1) as drawn [1/m].
-    window_of_inverse
-        Constant and slope that make a depth of OpenGL's window out of an inverse depth [1, m].
-    behind
-        (H, W) is filled: the window depth of the farthest place in each pixel, as OpenGL may round an edge to
-        the other side of a centre [1].
+    - `inverse_depth`: (2 H + 1, 2 W + 1) as drawn [1/m].
+    - `window_of_inverse`: constant and slope that make a depth of OpenGL's window out of an inverse depth [1,
+      m].
+    - `behind`: (H, W) is filled: the window depth of the farthest place in each pixel, as OpenGL may round an
+      edge to the other side of a centre [1].
     """
     constant, slope = np.float32(window_of_inverse[0] + _ROUNDING), np.float32(window_of_inverse[1])
     height, width = behind.shape
@@ -127,17 +119,12 @@ def draw(
 
     A band of rows drawn by itself is, bit by bit, that part of the whole image.
 
-    Parameters
-    ----------
-    inverse_depth, seen
-        (H, W) what is drawn into, see `look`: inverse depth [1/m] and number of the triangle, 0 for nothing.
-    lowest
-        (H, blocks) at most the least inverse depth in each block of a row, by which what is hidden is passed
-        over; 0 for nothing [1/m].
-    places, levels
-        The triangles on the whole image, as in `Projected`.
-    first_row
-        Row of the whole image that the first one here is.
+    - `inverse_depth`, `seen`: (H, W) what is drawn into, see `look`: inverse depth [1/m] and number of the
+      triangle, 0 for nothing.
+    - `lowest`: (H, blocks) at most the least inverse depth in each block of a row, by which what is hidden is
+      passed over; 0 for nothing [1/m].
+    - `places`, `levels`: the triangles on the whole image, as in `Projected`.
+    - `first_row`: row of the whole image that the first one here is.
     """
     last_row, width = first_row + len(seen) - 1, seen.shape[1]
     depths, numbers = inverse_depth.reshape(-1), seen.reshape(-1)

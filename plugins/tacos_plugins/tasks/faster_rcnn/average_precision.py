@@ -37,19 +37,12 @@ class AveragePrecision:
 
     Keeps boxes, not frames: some kilobytes for a frame full of detections.
 
-    Parameters
-    ----------
-    classes
-        Names of the classes, numbered from 1.
-    detections
-        Detections of a frame that are looked at, the most confident of each class.
-    iou
-        Intersection over union from which a detection has found an object.
+    - `classes`: names of the classes, numbered from 1.
+    - `detections`: detections of a frame that are looked at, the most confident of each class.
+    - `iou`: intersection over union from which a detection has found an object.
 
-    References
-    ----------
-    COCO's evaluation: precision interpolated at 101 recalls, averaged. Lin et al. 2014, "Microsoft COCO:
-    common objects in context".
+    Source: COCO's evaluation: precision interpolated at 101 recalls, averaged. Lin et al. 2014, "Microsoft
+    COCO: common objects in context".
     """
 
     def __init__(self, classes: Sequence[str], *, detections: int = 100, iou: float = 0.5):

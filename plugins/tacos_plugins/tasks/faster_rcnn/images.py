@@ -17,12 +17,9 @@ class CameraPixels(GeneralizedRCNNTransform):
 
     torchvision's own brings every image to a short side of 800 pixels, whatever the camera's.
 
-    Parameters
-    ----------
-    scale
-        Size of the network's image over the camera's.
-    min_size_px, max_size_px
-        Least short side and most long side of the network's image; None sets none. The latter wins [px].
+    - `scale`: size of the network's image over the camera's.
+    - `min_size_px`, `max_size_px`: least short side and most long side of the network's image; None sets
+      none. The latter wins [px].
     """
 
     def __init__(self, scale: float, min_size_px: int | None, max_size_px: int | None):

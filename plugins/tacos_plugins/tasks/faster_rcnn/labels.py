@@ -53,16 +53,11 @@ def frame_labels(
 
     A box encloses the pixels at which an object is in sight: what hides it cuts it, and so does the border.
 
-    Parameters
-    ----------
-    object_id
-        (H, W) int32 ids.
-    class_of_object
-        (objects,) int64 number of each id's class, 0 where it is not looked for.
-    minimum_area_px
-        Visible pixels an object must have to count [px].
-    minimum_share
-        Share of the image it must cover to count, so that the truth does not depend on the number of pixels.
+    - `object_id`: (H, W) int32 ids.
+    - `class_of_object`: (objects,) int64 number of each id's class, 0 where it is not looked for.
+    - `minimum_area_px`: visible pixels an object must have to count [px].
+    - `minimum_share`: share of the image it must cover to count, so that the truth does not depend on the
+      number of pixels.
 
     Examples
     --------

@@ -53,25 +53,16 @@ def faster_rcnn(
 ) -> FasterRCNN:
     """A detector with weights as its parts initialise themselves, from torch's generator.
 
-    Parameters
-    ----------
-    backbone
-        ``resnet50-fpn`` and ``mobilenet-v3-fpn`` are torchvision's builders; ``narrow-fpn`` is the same
-        detector on a small residual backbone, 0.7 million parameters in all, for CPUs.
-    classes
-        Classes, the background not counted.
-    proposals
-        Regions the first stage hands to the second.
-    rois
-        Regions per image the second stage is trained on; the first is trained on as many anchors.
-    detections
-        Detections per image at most.
-    score_threshold
-        Confidence below which nothing is detected.
-    smallest_anchor_px
-        Edge of the smallest anchors in the network's image; None leaves it to the backbone [px].
-    pixels
-        How images come to the network's size.
+    - `backbone`: ``resnet50-fpn`` and ``mobilenet-v3-fpn`` are torchvision's builders; ``narrow-fpn`` is the
+      same detector on a small residual backbone, 0.7 million parameters in all, for CPUs.
+    - `classes`: classes, the background not counted.
+    - `proposals`: regions the first stage hands to the second.
+    - `rois`: regions per image the second stage is trained on; the first is trained on as many anchors.
+    - `detections`: detections per image at most.
+    - `score_threshold`: confidence below which nothing is detected.
+    - `smallest_anchor_px`: edge of the smallest anchors in the network's image; None leaves it to the
+      backbone [px].
+    - `pixels`: how images come to the network's size.
     """
     settings: dict[str, Any] = {
         "rpn_pre_nms_top_n_train": 2 * proposals,

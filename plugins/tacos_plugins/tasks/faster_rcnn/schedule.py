@@ -9,18 +9,11 @@ def learning_rate(steps: int, *, start: float, decay: float, decay_every: int, f
     A step is a pass over the training frames, not a batch, and the count is part of the task's state: in a
     study with shared weights it rises by one with each candidate, with branched ones by one a generation.
 
-    Parameters
-    ----------
-    start
-        Learning rate of the first pass.
-    decay
-        Factor of each decay.
-    floor
-        Share of `start` it never falls below: the weights of a long study still move at its end.
+    - `start`: learning rate of the first pass.
+    - `decay`: factor of each decay.
+    - `floor`: share of `start` it never falls below: the weights of a long study still move at its end.
 
-    References
-    ----------
-    The paper, Sec. 4.3, "Object Detector": 1e-4, halved every five steps.
+    Source: the paper, Sec. 4.3, "Object Detector": 1e-4, halved every five steps.
 
     Examples
     --------

@@ -64,15 +64,11 @@ class FasterRcnn:
     single camera would pull them to and fro between candidates. A detector that starts from nothing needs it
     to learn, and it then does.
 
-    References
-    ----------
-    The paper, Sec. 4.3, "Object Detector"; Ren et al. 2015, "Faster R-CNN"; Lin et al. 2017, "Feature pyramid
-    networks for object detection".
+    Sources: The paper, Sec. 4.3, "Object Detector"; Ren et al. 2015, "Faster R-CNN"; Lin et al. 2017,
+    "Feature pyramid networks for object detection".
     """
 
     class Config(Settings):
-        """Settings of the task."""
-
         camera: str | None = setting(None, help="Name of the camera that is scored; by default the first.")
         backbone: Backbone = setting(
             "resnet50-fpn", help="The network: the paper's, a lighter one, or a small one for CPUs."

@@ -59,9 +59,7 @@ def off_m(tag: Tag, corners_px: Floats, camera: Camera, world_from_camera: Float
 
     Of the two poses that a square has in perspective, that of the smaller error in the image is taken.
 
-    References
-    ----------
-    Collins and Bartoli 2014, "Infinitesimal plane-based pose estimation".
+    Source: Collins and Bartoli 2014, "Infinitesimal plane-based pose estimation".
     """
     rays = rays_of_pixels(corners_px, camera)
     if not reach_plane(rays).all():

@@ -44,14 +44,10 @@ class Fiducials:
 
     An episode in which no marker comes in sight has no scores; a world without markers is refused.
 
-    References
-    ----------
-    Olson 2011, "AprilTag"; Garrido-Jurado et al. 2014 (ArUco), whose detector OpenCV has.
+    Sources: Olson 2011, "AprilTag"; Garrido-Jurado et al. 2014 (ArUco), whose detector OpenCV has.
     """
 
     class Config(Settings):
-        """Settings of the task."""
-
         camera: str | None = setting(None, help="Name of the camera that reads; by default the first.")
         refine: bool = setting(True, help="Whether corners are found to a part of a pixel.")
 

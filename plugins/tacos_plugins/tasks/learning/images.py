@@ -21,19 +21,11 @@ def network_image(
 ) -> Tensor:
     """A frame in colours of 0..1, on a device; a copy to a GPU goes on while the caller does.
 
-    Parameters
-    ----------
-    image_dn
-        (H, W, C) uint8 or uint16; one channel, or RGB [DN].
-    device
-        Where it is wanted.
-    black_level_dn, white_level_dn
-        The file's pedestal and full scale [DN].
+    - `image_dn`: (H, W, C) uint8 or uint16; one channel, or RGB [DN].
+    - `device`: where it is wanted.
+    - `black_level_dn`, `white_level_dn`: the file's pedestal and full scale [DN].
 
-    Returns
-    -------
-    Tensor
-        (3, H, W) float32 in 0..1, not normalised by mean and deviation.
+    Returns: (3, H, W) float32 in 0..1, not normalised by mean and deviation.
     """
     colour = (on_device(image_dn, device).float() - black_level_dn) / (white_level_dn - black_level_dn)
     return colour.clamp(0, 1).permute(2, 0, 1).expand(3, -1, -1)

@@ -22,19 +22,13 @@ MOMENTS = ("exp_avg", "exp_avg_sq")
 def state_of(module: nn.Module, adam: torch.optim.Adam | None = None, *, schedule_steps: int = 0) -> State:
     """All that a module and its optimizer have learnt, as arrays of their own.
 
-    Parameters
-    ----------
-    module
-        Its parameters and buffers become ``model.NAME``.
-    adam
-        Its moments become ``adam.exp_avg.NAME`` and ``adam.exp_avg_sq.NAME``, the steps of all its parameters
-        ``adam.step``. One that has not begun gives zeros, so a state keeps its names and shapes for life.
-    schedule_steps
-        Steps of the learning-rate schedule so far.
+    - `module`: its parameters and buffers become ``model.NAME``.
+    - `adam`: its moments become ``adam.exp_avg.NAME`` and ``adam.exp_avg_sq.NAME``, the steps of all its
+      parameters ``adam.step``. One that has not begun gives zeros, so a state keeps its names and shapes for
+      life.
+    - `schedule_steps`: steps of the learning-rate schedule so far.
 
-    Returns
-    -------
-    Arrays of the tensors' own types. Scalars have the shape (1,), since safetensors keeps no others.
+    Returns: arrays of the tensors' own types. Scalars have the shape (1,), since safetensors keeps no others.
     """
     state: dict[str, NDArray[Any]] = {MODEL + name: _array(t) for name, t in module.state_dict().items()}
     state["schedule.steps"] = np.array([schedule_steps], np.int64)

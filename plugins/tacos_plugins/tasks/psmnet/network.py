@@ -26,25 +26,18 @@ class PSMNet(nn.Module):
     hourglasses refine. The disparity is the mean over all disparities, weighted by the softmax of the
     volume (soft argmin).
 
-    Parameters
-    ----------
-    max_disparity
-        Disparities 0 .. max_disparity - 1 are told apart; a multiple of 16 [px].
-    width
-        Factor on the channels of all layers; 1 is the published network [1].
-    align_corners
-        How the volume is enlarged; the authors advise True for their published weights.
+    - `max_disparity`: disparities 0 .. max_disparity - 1 are told apart; a multiple of 16 [px].
+    - `width`: factor on the channels of all layers; 1 is the published network [1].
+    - `align_corners`: how the volume is enlarged; the authors advise True for their published weights.
+
+    Source: Chang and Chen 2018, "Pyramid stereo matching network", CVPR. Written anew from the published
+    architecture; entries carry the names of the published checkpoints.
 
     Examples
     --------
     >>> network = PSMNet(192)
     >>> sum(parameter.numel() for parameter in network.parameters())
     5224768
-
-    References
-    ----------
-    Chang and Chen 2018, "Pyramid stereo matching network", CVPR. Written anew from the
-    published architecture; entries carry the names of the published checkpoints.
     """
 
     def __init__(self, max_disparity: int, *, width: float = 1.0, align_corners: bool = True) -> None:

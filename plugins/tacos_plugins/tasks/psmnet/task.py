@@ -42,14 +42,11 @@ class PsmnetDepth:
 
     The scores are those of `DepthScores`.
 
-    References
-    ----------
-    The paper, Sec. 4.2, "Stereo Matching Network"; Chang and Chen 2018, "Pyramid stereo matching network".
+    Source: the paper, Sec. 4.2, "Stereo Matching Network"; Chang and Chen 2018, "Pyramid stereo matching
+    network".
     """
 
     class Config(Settings):
-        """Settings of the task."""
-
         left: str | None = setting(None, help="Name of the left camera; by default the first.")
         right: str | None = setting(None, help="Name of the right camera; by default the second.")
         weights: str = setting(

@@ -104,9 +104,7 @@ def disparity_loss(estimates: Sequence[Tensor], truth_px: Tensor, max_disparity:
 
     Returns: a scalar; 0 where no pixel counts.
 
-    References
-    ----------
-    Chang and Chen 2018, eq. 3 and 4; with the weights of Sec. 3.5.
+    Source: Chang and Chen 2018, eq. 3 and 4; with the weights of Sec. 3.5.
     """
     counts = (truth_px > 0) & (truth_px < max_disparity)
     pixels = counts.sum().clamp(min=1)

@@ -66,9 +66,7 @@ class DepthScores:
     The others are over the pixels nearer than the largest depth; an episode without any has none of them.
     Sums run over pixels of all frames alike, and memory does not grow with their number.
 
-    References
-    ----------
-    The paper, Sec. 4.2 and supplement (depth capped at 1000 m); Menze and Geiger 2015 (d1).
+    Source: the paper, Sec. 4.2 and supplement (depth capped at 1000 m); Menze and Geiger 2015 (d1).
     """
 
     def __init__(self, max_depth_m: float) -> None:

@@ -63,23 +63,13 @@ def stereo_pair(
 ) -> StereoPair:
     """The pair among the cameras of a rig.
 
-    Parameters
-    ----------
-    cameras
-        All cameras of the rig.
-    left, right
-        Names of the two; the first and the second camera where they are None.
-    smallest_px
-        Width and height an image needs [px].
-    largest_px
-        Disparities from here on cannot be found [px].
-    max_depth_m
-        Largest depth that counts [m].
+    - `cameras`: all cameras of the rig.
+    - `left`, `right`: names of the two; the first and the second camera where they are None.
+    - `smallest_px`: width and height an image needs [px].
+    - `largest_px`: disparities from here on cannot be found [px].
+    - `max_depth_m`: largest depth that counts [m].
 
-    Raises
-    ------
-    CandidateFailed
-        When there is no such pair: in a sentence, what is wrong with the cameras.
+    Raises `CandidateFailed` when there is no such pair: in a sentence, what is wrong with the cameras.
     """
     names = [camera.name for camera in cameras]
     if len(cameras) < 2:

@@ -51,15 +51,11 @@ class VisualOdometry:
 
     Images are grey, coded for a display.
 
-    References
-    ----------
-    Scaramuzza and Fraundorfer 2011, "Visual odometry"; Shi and Tomasi 1994, "Good features to track"; Nister
-    2004, "An efficient solution to the five-point relative pose problem".
+    Sources: Scaramuzza and Fraundorfer 2011, "Visual odometry"; Shi and Tomasi 1994, "Good features to
+    track"; Nister 2004, "An efficient solution to the five-point relative pose problem".
     """
 
     class Config(Settings):
-        """Settings of the task."""
-
         camera: str | None = setting(
             None, help="Name of the camera, or of the left one; by default the first."
         )

@@ -32,10 +32,8 @@ def motion_between(
     Returns: (4, 4) second_from_first, with a translation of length 1, and (N,) which matches agree; None
     where no motion is found.
 
-    References
-    ----------
-    Nister 2004, "An efficient solution to the five-point relative pose problem"; Hartley and Zisserman 2004,
-    "Multiple view geometry", Sec. 9.6.
+    Sources: Nister 2004, "An efficient solution to the five-point relative pose problem"; Hartley and
+    Zisserman 2004, "Multiple view geometry", Sec. 9.6.
     """
     usable = reach_plane(first) & reach_plane(second)
     if np.count_nonzero(usable) < LEAST_MATCHES:

@@ -19,18 +19,11 @@ def triangulated(
 ) -> tuple[Floats, NDArray[np.bool_]]:
     """Points nearest to both rays of a match.
 
-    Parameters
-    ----------
-    left, right
-        (N, 3) unit rays in the camera frames.
-    left_from_right
-        (4, 4) pose of the right camera [m].
-    tolerance_rad
-        Angle between a ray and the point from which on a match is none [rad].
+    - `left`, `right`: (N, 3) unit rays in the camera frames.
+    - `left_from_right`: (4, 4) pose of the right camera [m].
+    - `tolerance_rad`: angle between a ray and the point from which on a match is none [rad].
 
-    Returns
-    -------
-    (N, 3) points in the frame of the left camera [m], and (N,) which lie ahead on both rays.
+    Returns: (N, 3) points in the frame of the left camera [m], and (N,) which lie ahead on both rays.
     """
     origin = left_from_right[:3, 3]
     other = right @ left_from_right[:3, :3].T
