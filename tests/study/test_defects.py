@@ -18,7 +18,7 @@ from tacos_framework.study import DEFECT
 from tacos_framework.study.failure_policy import FailuresInARow, KeepsFailing
 from tacos_framework.values import Capture, Episode, Exposure, FrameBatch, Rig
 from tacos_plugins.executors.local import LocalExecutor
-from tacos_validation.kept_studies import result_of
+from tacos_validation.harness import result_of
 
 RAISED = "task.toy-width raised ZeroDivisionError: a defect of the toy"
 STOPPED = f"stopped by a defect: 5 candidates in a row failed by the same defect, the last: {RAISED}"

@@ -16,7 +16,7 @@ from tacos_framework import ProcedureRecipe, UserError, load_recipe, run
 from tacos_framework.plan import make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Use
-from tacos_validation import kept_studies
+from tacos_validation import harness
 from tacos_validation.known_answers.agreement import held, middle, share_in_class
 from tacos_validation.known_answers.industry import (
     POINTS,
@@ -199,7 +199,7 @@ def test_jobs_are_run_held_and_kept(study, table, with_analysis, tmp_path, monke
     assert "1 of 2 points agree" in result["summary"]
     assert "P(industry&#39;s class)" in (out / "report.html").read_text()
 
-    monkeypatch.setattr(kept_studies, "run", lambda *_, **__: pytest.fail("a job that is done was run again"))
+    monkeypatch.setattr(harness, "run", lambda *_, **__: pytest.fail("a job that is done was run again"))
     assert run(asked(study, table), out=out, plugins=with_analysis, resume=True)["jobs"] == result["jobs"]
 
 

@@ -17,7 +17,7 @@ from tacos_framework.recipe import Use
 from tacos_framework.study.progress import Silent
 from tacos_framework.testing import ProcedureConformance
 from tacos_framework.testing.procedure import InThisProcess
-from tacos_validation import kept_studies
+from tacos_validation import harness
 from tacos_validation.studies_compared.compare import CompareStudies
 from tacos_validation.studies_compared.pairs import StudyOutcome, difference, scores_of, spread
 
@@ -103,7 +103,7 @@ def test_studies_that_are_done_are_kept_and_a_broken_one_goes_on(
     whole, _ = compared
     out = tmp_path / "broken"
     begun = []
-    run_study = kept_studies.run
+    run_study = harness.run
 
     def third_time_unlucky(*given: Any, **named: Any) -> Any:
         begun.append(named["out"].name)
@@ -111,7 +111,7 @@ def test_studies_that_are_done_are_kept_and_a_broken_one_goes_on(
             raise KeyboardInterrupt
         return run_study(*given, **named)
 
-    monkeypatch.setattr(kept_studies, "run", third_time_unlucky)
+    monkeypatch.setattr(harness, "run", third_time_unlucky)
     with pytest.raises(KeyboardInterrupt):
         run(asked(study), out=out, plugins=toys)
     again = run(asked(study), out=out, plugins=toys, resume=True)

@@ -22,13 +22,13 @@ from tacos_gap.procedures.progress import Telling
 from tacos_gap.simulation.formation import simulate
 from tacos_gap.tasks import CaptureScores, RecipeTask, default_tasks, score_tasks, tasks_of
 from tacos_gap.tasks.recipe_tasks import frozen_plan
-from tacos_report.page import write_page
 from tacos_validation.cameras_validated.camera_folders import PATCH, camera_folders, read_cameras
 from tacos_validation.cameras_validated.findings import CamerasFindings
 from tacos_validation.cameras_validated.noise_curves import NoiseCurve, noise_curve
 from tacos_validation.cameras_validated.pages import page, summary
 from tacos_validation.cameras_validated.patches import CameraPatch, diagnosed_patch, given_patch
 from tacos_validation.cameras_validated.ranking import CameraScores, camera_scores
+from tacos_validation.harness import leave
 
 SHOWN = ("scene", "edge", "chart", "sequence", "flat")
 """Kinds to show a frame of, the richest first."""
@@ -99,8 +99,8 @@ class ValidateCameras:
             progress.step(name)
         scores, not_shared = _compared(scored, tasks)
         findings = CamerasFindings(patches, scores, noise, (*left_out, *not_shared), seed)
-        write_page(out / "report.html", page(findings, _samples(cameras, patches, seed)))
-        return {**findings.as_data(), "summary": summary(findings)}
+        shown = page(findings, _samples(cameras, patches, seed))
+        return leave(out, shown, findings.as_data(), summary(findings))
 
     def _folders(self) -> dict[str, Path]:
         return camera_folders(self.config.captures, patched=self.config.patches == "given")

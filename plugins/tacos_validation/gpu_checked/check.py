@@ -13,16 +13,15 @@ from tacos_framework import (
     Fault,
     Plugins,
     Progress,
-    Recipe,
     Settings,
     UserError,
-    load_recipe,
     setting,
 )
 from tacos_framework.plan import Plan, make_plan
 from tacos_framework.simulation import EpisodeSpec, Evaluator, ScoreJob
 from tacos_framework.study import score_pipelined, score_sharded
 from tacos_validation.gpu_checked.pictures import Difference, difference, taken_on
+from tacos_validation.harness import study_recipe
 
 ALIKE = Difference(ids=1e-3, depth=1e-3, luminance=5e-2)
 """Pictures of two devices that part by no more than this are alike: edges are rounded differently."""
@@ -73,10 +72,7 @@ class CheckGpu:
         return {**result, "summary": _summary(result)}
 
     def _plan(self, plugins: Plugins) -> Plan:
-        recipe = load_recipe(self.config.recipe)
-        if not isinstance(recipe, Recipe):
-            raise UserError(Fault("recipe", f"{self.config.recipe} is no study", "a recipe that designs"))
-        return make_plan(recipe, plugins)
+        return make_plan(study_recipe(self.config.recipe, {}, key="recipe"), plugins)
 
     def _timed(self, plan: Plan, values: dict[str, Any], executor: Executor) -> dict[str, Any]:
         """Candidates an hour, and where the time of the workers went."""

@@ -23,7 +23,7 @@ from tacos_framework import (
 )
 from tacos_framework.plan import Plan, make_plan
 from tacos_report.page import write_page
-from tacos_validation.kept_studies import result_of
+from tacos_validation.harness import result_of
 from tacos_validation.known_answers.agreement import PointHeld, held
 from tacos_validation.known_answers.industry import (
     SHIPPED,

@@ -12,7 +12,7 @@ from tacos_framework import Executor, Fault, Plugins, Progress, UserError
 from tacos_framework.simulation import EpisodeSpec, Evaluator
 from tacos_framework.store import Results
 from tacos_framework.study import KeepsFailing, Search
-from tacos_report.page import write_page
+from tacos_validation.harness import leave
 from tacos_validation.optimizers_compared.contest import BUDGET_SPENT, FromTable, Run
 from tacos_validation.optimizers_compared.outcome import Comparison, curves_csv, standings_csv
 from tacos_validation.optimizers_compared.pages import page, summary
@@ -49,9 +49,8 @@ class CompareOptimizers:
         contenders = contenders_of(self.config, plugins)
         plan = contenders.problem
         coarse = admissible(plan, self.config.reference)
-        results = Results(out)
         evaluate = Evaluator(plan.recipe, plugins)
-        table = ScoreTable(plan, evaluate, executor, results)
+        table = ScoreTable(plan, evaluate, executor, Results(out))
         runs = self._search(contenders, table, evaluate, seed, progress)
         scenes = held_out_scenes(self.config.held_out)
         progress.phase("Looking for the best camera on the held-out scenes", None)
@@ -60,10 +59,8 @@ class CompareOptimizers:
         progress.phase("Judging what was recommended", None)
         table.fill([(values, spec) for values in recommended for spec in scenes], progress.step)
         comparison = self._judge(runs, table, scenes, [best, *recommended], contenders.notes)
-        write_page(out / "report.html", page(comparison))
-        results.write_text("curves.csv", curves_csv(comparison))
-        results.write_text("standings.csv", standings_csv(comparison))
-        return {**comparison.as_data(), "summary": summary(comparison)}
+        tables = {"curves": curves_csv(comparison), "standings": standings_csv(comparison)}
+        return leave(out, page(comparison), comparison.as_data(), summary(comparison), **tables)
 
     def _search(
         self, contenders: Contenders, table: ScoreTable, evaluate: Evaluator, seed: int, progress: Progress

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from tacos_validation.harness import csv_text
 from tacos_validation.optimizers_compared.standings import JudgedRun, Standing
 
 
@@ -48,28 +47,24 @@ class Comparison:
 
 def curves_csv(comparison: Comparison) -> str:
     """A row for each run and checkpoint; fields are empty while a run recommends nothing."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["optimizer", "seed", "checkpoint", "images", "held_out_fitness", "regret"])
+    rows = []
     for runs in comparison.runs.values():
         for run in runs:
             for at, fitness in run.fitness.items():
                 scored = [fitness, comparison.best_known - fitness] if math.isfinite(fitness) else ["", ""]
-                writer.writerow([run.optimizer, run.seed, at, run.images[at], *scored])
-    return text.getvalue()
+                rows.append((run.optimizer, run.seed, at, run.images[at], *scored))
+    return csv_text(("optimizer", "seed", "checkpoint", "images", "held_out_fitness", "regret"), rows)
 
 
 def standings_csv(comparison: Comparison) -> str:
     """A row for each optimizer and checkpoint."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    heads = ["regret_low", "regret_median", "regret_high", "images_to_target", "reached"]
-    writer.writerow(["optimizer", "checkpoint", *heads])
+    heads = ("regret_low", "regret_median", "regret_high", "images_to_target", "reached")
+    rows = []
     for each in comparison.standings:
         for at, regret in each.regret.items():
             figures = [regret.low, regret.median, regret.high, each.images.median, each.reached]
-            writer.writerow([each.optimizer, at, *(_finite(figure) for figure in figures)])
-    return text.getvalue()
+            rows.append((each.optimizer, at, *map(_finite, figures)))
+    return csv_text(("optimizer", "checkpoint", *heads), rows)
 
 
 def _finite(value: Any) -> Any:

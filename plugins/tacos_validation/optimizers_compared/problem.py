@@ -6,9 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from tacos_framework import Fault, Plugins, Recipe, Test, Use, UserError, load_recipe
+from tacos_framework import Fault, Plugins, Test, UserError
 from tacos_framework.plan import Plan, make_plan
 from tacos_framework.simulation import EpisodeSpec
+from tacos_validation.harness import FaultsTogether, study_recipe
 from tacos_validation.optimizers_compared.grid import on_grid
 from tacos_validation.optimizers_compared.settings import CompareOptimizersConfig, HeldOut
 
@@ -32,9 +33,7 @@ def contenders_of(config: CompareOptimizersConfig, plugins: Plugins) -> Contende
     Raises UserError with everything that is wrong with the problem, its grid or any optimizer that is not
     optional.
     """
-    loaded = load_recipe(config.problem, dict(config.change))
-    if not isinstance(loaded, Recipe):
-        raise UserError(Fault("problem", f"{config.problem} is no study", "a recipe that designs"))
+    loaded = study_recipe(config.problem, config.change, key="problem")
     study = loaded.study.model_copy(update={"renew_episodes": "never"})
     held_out = config.held_out  # its test scenes here, so that as many worlds are kept
     test = Test(seed=held_out.seed, frames=held_out.frames, episodes=held_out.episodes)
@@ -50,37 +49,19 @@ def contenders_of(config: CompareOptimizersConfig, plugins: Plugins) -> Contende
         )
     space = on_grid(plan.space, config.grid)
     plans: dict[str, Plan] = {}
-    notes: list[str] = []
-    faults: list[Fault] = []
+    found = FaultsTogether()
     for name, use in config.optimizers.items():
-        try:
-            plans[name] = replace(_with_optimizer(recipe, name, use, plugins), space=space)
-        except UserError as error:
-            if name in config.optional:
-                said = "; ".join(f"{fault.what}. {fault.remedy}".rstrip() for fault in error.faults)
-                notes.append(f"{name} was left out: {said}")
-            else:
-                faults.extend(error.faults)
-    if faults:
-        raise UserError(faults)
-    return Contenders(plans, tuple(notes))
+        with found.of(f"optimizers.{name}", optional=name if name in config.optional else ""):
+            plans[name] = replace(
+                make_plan(recipe.model_copy(update={"optimizer": use}), plugins), space=space
+            )
+    found.refuse()
+    return Contenders(plans, tuple(found.notes))
 
 
 def held_out_scenes(asked: HeldOut) -> list[EpisodeSpec]:
     """The scenes that no optimizer sees."""
     return [EpisodeSpec(asked.seed, ("held out", i), asked.frames) for i in range(asked.episodes)]
-
-
-def _with_optimizer(recipe: Recipe, name: str, use: Use, plugins: Plugins) -> Plan:
-    try:
-        return make_plan(recipe.model_copy(update={"optimizer": use}), plugins)
-    except UserError as error:
-        raise UserError([_at(f"optimizers.{name}", fault) for fault in error.faults]) from error
-
-
-def _at(place: str, fault: Fault) -> Fault:
-    """A fault of the optimizer in the place where the comparison names it."""
-    return replace(fault, where=f"{place}: {fault.where}")
 
 
 def values_text(values: Mapping[str, Any]) -> str:

@@ -6,22 +6,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from tacos_framework import (
-    Evaluation,
-    Executor,
-    Fault,
-    Fitness,
-    Plugins,
-    Progress,
-    Recipe,
-    UserError,
-    generator,
-    load_recipe,
-)
+from tacos_framework import Evaluation, Executor, Fitness, Plugins, Progress, generator
 from tacos_framework.plan import Plan, make_plan
 from tacos_framework.simulation import EpisodeSpec, Evaluator
 from tacos_framework.store import Results
-from tacos_report.page import write_page
+from tacos_validation.harness import FaultsTogether, leave, study_recipe
 from tacos_validation.rank_agreement.agreement import agreement, agreement_of_halves, tau_b
 from tacos_validation.rank_agreement.cameras import RankedCamera, cameras_of
 from tacos_validation.rank_agreement.outcome import SIZES, RankedLight, RankOutcome
@@ -59,27 +48,19 @@ class RankAgreement:
             progress.phase(f"{light}, {size}", len(cameras) * self._scenes(plan))
             scored[light, size] = self._score(plan, plugins, cameras, executor, results, progress)
         outcome = self._outcome(plans, scored, cameras, seed)
-        write_page(out / "report.html", page(outcome))
-        results.write_text("table.csv", table_csv(outcome))
-        return {**outcome.as_data(), "summary": summary(outcome)}
+        return leave(out, page(outcome), outcome.as_data(), summary(outcome), table=table_csv(outcome))
 
     def _plans(self, plugins: Plugins) -> dict[tuple[str, str], Plan]:
         """The study in each light and size, checked; all faults at once."""
         plans: dict[tuple[str, str], Plan] = {}
-        faults: list[Fault] = []
+        faults = FaultsTogether()
         for light, keys in self.config.lights.items():
             for size in SIZES:
                 full = self.config.full if size == "full" else {}
-                try:
-                    recipe = load_recipe(self.config.study, {**self.config.change, **keys, **full})
-                    if not isinstance(recipe, Recipe):
-                        what = f"{self.config.study} is no study"
-                        raise UserError(Fault("study", what, "a recipe that designs"))
+                with faults.of():
+                    recipe = study_recipe(self.config.study, {**self.config.change, **keys, **full})
                     plans[light, size] = make_plan(recipe, plugins)
-                except UserError as error:
-                    faults.extend(error.faults)
-        if faults:
-            raise UserError(list(dict.fromkeys(faults)))
+        faults.refuse()
         return plans
 
     def _scenes(self, plan: Plan) -> int:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from functools import partial
 from typing import Any
 
@@ -12,6 +10,7 @@ from matplotlib.figure import Figure
 from tacos_report.figures.canvas import NARROW_IN, draw
 from tacos_report.page import Block, Page, Paragraph, Section, Table, Warnings, in_both_widths
 from tacos_report.palette import INK, MUTED, camera_colour
+from tacos_validation.harness import csv_text
 from tacos_validation.rank_agreement.outcome import SIZES, RankedLight, RankOutcome
 
 
@@ -25,12 +24,8 @@ def summary(outcome: RankOutcome) -> str:
 
 def table_csv(outcome: RankOutcome) -> str:
     """Both orders for other programs: a line for each camera and light."""
-    text = io.StringIO()
-    heads = ["camera", "light", "quick", "full", "rank_quick", "rank_full"]
-    writer = csv.DictWriter(text, heads, lineterminator="\n", extrasaction="ignore")
-    writer.writeheader()
-    writer.writerows(outcome.as_data()["table"])
-    return text.getvalue()
+    heads = ("camera", "light", "quick", "full", "rank_quick", "rank_full")
+    return csv_text(heads, ([row[head] for head in heads] for row in outcome.as_data()["table"]))
 
 
 def page(outcome: RankOutcome) -> Page:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,14 +18,12 @@ from tacos_framework import (
     Settings,
     UserError,
     did_you_mean,
-    load_recipe,
     setting,
 )
 from tacos_framework.plan import make_plan
-from tacos_framework.store import DESIGNED, Results
-from tacos_report.page import write_page
-from tacos_validation.kept_studies import result_of
-from tacos_validation.studies_compared.pages import StudiesComparison, lines, page, summary
+from tacos_framework.store import DESIGNED
+from tacos_validation.harness import FaultsTogether, leave, result_of, study_recipe
+from tacos_validation.studies_compared.pages import StudiesComparison, page, summary, table_csv
 from tacos_validation.studies_compared.pairs import StudyOutcome
 
 
@@ -81,47 +80,32 @@ class CompareStudies:
     ) -> Mapping[str, Any]:
         studies = list(self._studies(plugins))
         progress.phase("Running studies", len(studies))
+        result = partial(
+            result_of, plugins=plugins, executor=executor, resume=resume, accept_changes=accept_changes
+        )
         outcomes = []
         for variant, seed, recipe in studies:
             folder = out / "studies" / f"{variant}-{seed}"
-            result = result_of(
-                recipe,
-                folder,
-                plugins=plugins,
-                executor=executor,
-                resume=resume,
-                accept_changes=accept_changes,
-            )
-            outcome = _outcome(variant, seed, _with_design(result, folder))
+            outcome = _outcome(variant, seed, _with_design(result(recipe, folder), folder))
             outcomes.append(outcome)
             progress.step(f"{variant}, seed {seed}: {outcome.scores['fitness']:.3f}")
         counted = tuple(dict.fromkeys(term.score for _, _, recipe in studies for term in recipe.fitness))
         compared = StudiesComparison(self.config.study, self.config.reference, tuple(outcomes), counted)
-        write_page(out / "report.html", page(compared))
-        Results(out).write_text("studies.csv", lines(outcomes))
-        return {**compared.as_data(), "summary": summary(compared)}
+        return leave(out, page(compared), compared.as_data(), summary(compared), studies=table_csv(outcomes))
 
     def _studies(self, plugins: Plugins) -> Iterator[tuple[str, int, Recipe]]:
         """Every variant with every seed, checked; twins follow one another."""
-        faults: list[Fault] = []
+        faults = FaultsTogether()
         for number, seed in enumerate(self.config.seeds):
             for name, changes in self.config.variants.items():
-                try:
+                with faults.of(f"variants.{name}"):
                     recipe = self._recipe({**self.config.change, **changes, "seed": seed}, number)
                     make_plan(recipe, plugins)
                     yield name, seed, recipe
-                except UserError as error:
-                    faults += [
-                        Fault(f"variants.{name}: {f.where}", f.what, f.expected, f.remedy)
-                        for f in error.faults
-                    ]
-            if faults:
-                raise UserError(faults)
+            faults.refuse()
 
     def _recipe(self, changes: dict[str, Any], number: int) -> Recipe:
-        recipe = load_recipe(self.config.study, changes)
-        if not isinstance(recipe, Recipe):
-            raise UserError(Fault("study", f"{self.config.study} is no study", "a recipe that designs"))
+        recipe = study_recipe(self.config.study, changes)
         if recipe.test is None:
             raise UserError(Fault("study", f"{self.config.study} has no test:", "scenes to be tested on"))
         test = recipe.test.model_copy(update={"seed": recipe.test.seed + number})

@@ -13,6 +13,7 @@ from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
 from tacos_report.page import Page, Section, Table, in_both_widths
 from tacos_report.palette import MUTED, camera_colour
 from tacos_report.quantities import number, words
+from tacos_validation.harness import csv_text
 from tacos_validation.studies_compared.pairs import (
     FITNESS,
     Spread,
@@ -188,17 +189,12 @@ def _plus_minus(found: Spread, *, sign: bool = False) -> str:
     return mean if found.standard_error is None else f"{mean} ± {found.standard_error:.3f}"
 
 
-def lines(outcomes: Sequence[StudyOutcome]) -> str:
-    """The studies as rows of text separated by commas, for ``studies.csv``."""
+def table_csv(outcomes: Sequence[StudyOutcome]) -> str:
     scores = scores_of(outcomes)
-    rows = [
-        [
-            o.variant,
-            str(o.seed),
-            *(repr(o.scores[score]) for score in scores),
-            str(o.images),
-            f"{o.seconds:.0f}",
-        ]
-        for o in outcomes
-    ]
-    return "".join(",".join(row) + "\n" for row in [["variant", "seed", *scores, "images", "seconds"], *rows])
+    return csv_text(
+        ("variant", "seed", *scores, "images", "seconds"),
+        (
+            (o.variant, o.seed, *(o.scores[name] for name in scores), o.images, f"{o.seconds:.0f}")
+            for o in outcomes
+        ),
+    )

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -14,6 +12,7 @@ from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
 from tacos_report.page import Detailed, Page, Paragraph, Section, Table, Warnings, in_both_widths
 from tacos_report.palette import MUTED, camera_colour
 from tacos_report.quantities import duration, number
+from tacos_validation.harness import csv_text
 from tacos_validation.studies_table.findings import RowResult, StudyRun, SummaryCell
 from tacos_validation.studies_table.settings import StudiesConfig, SummaryColumn
 
@@ -103,18 +102,14 @@ def summary(outcome: TableOutcome) -> str:
 
 def table_csv(outcome: TableOutcome) -> str:
     """The table for other programs: a line per row and column."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(("row", "column", "unit", "median", "lowest", "highest", "runs", "published"))
+    rows = []
     for row in outcome.rows:
         for column, cell in zip(outcome.config.columns, row.cells, strict=True):
             ordered = sorted(value for value in cell.values if isinstance(value, (int, float)))
             low, high = (ordered[0], ordered[-1]) if ordered else ("", "")
-            middle = _plain(cell)
-            writer.writerow(
-                (row.title, column.head, column.unit, middle, low, high, row.runs, cell.published)
-            )
-    return text.getvalue()
+            own = (row.title, column.head, column.unit, _plain(cell), low, high, row.runs, cell.published)
+            rows.append(own)
+    return csv_text(("row", "column", "unit", "median", "lowest", "highest", "runs", "published"), rows)
 
 
 def shown(cell: SummaryCell, column: SummaryColumn) -> str:

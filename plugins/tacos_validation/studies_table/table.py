@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tacos_framework import Executor, Fault, Plugins, Progress, Recipe, UserError, did_you_mean, load_recipe
+from tacos_framework import Executor, Fault, Plugins, Progress, Recipe, did_you_mean
 from tacos_framework.plan import Plan, make_plan
-from tacos_framework.store import DESIGNED, Results, read_run_lines
-from tacos_report.page import write_page
-from tacos_validation.kept_studies import result_of
+from tacos_framework.store import DESIGNED, read_run_lines
+from tacos_validation.harness import FaultsTogether, leave, result_of, study_recipe
 from tacos_validation.studies_table.findings import StudyRun, findings
 from tacos_validation.studies_table.pages import TableOutcome, folder_of, page, summary, table_csv
 from tacos_validation.studies_table.settings import StudiesConfig
@@ -65,44 +64,26 @@ class StudiesTable:
         runs = tuple(self._runs(planned, out, plugins, executor, progress, resume, accept_changes))
         rows = findings(self.config.rows, self.config.columns, runs)
         outcome = TableOutcome(self.config, rows, runs, tuple(notes))
-        write_page(out / "report.html", page(outcome))
-        Results(out).write_text("table.csv", table_csv(outcome))
-        return {**outcome.as_data(), "summary": summary(outcome)}
+        return leave(out, page(outcome), outcome.as_data(), summary(outcome), table=table_csv(outcome))
 
     # what is compared -------------------------------------------------------------------------------------
 
     def plan(self, plugins: Plugins) -> tuple[list[Planned], list[str]]:
         """Every study with a plan, and notes on those left out; all faults at once, before anything runs."""
         planned: list[Planned] = []
-        notes: list[str] = []
-        faults: list[Fault] = []
+        found = FaultsTogether()
         for name in self.config.studies:
-            try:
+            with found.of(f"studies.{name}", optional=name if name in self.config.optional else ""):
                 recipe = self._recipe(name)
-                study = Planned(name, recipe, make_plan(recipe, plugins))
-            except UserError as error:
-                if name in self.config.optional:
-                    why = "; ".join(f"{fault.what}. {fault.remedy}".rstrip() for fault in error.faults)
-                    notes.append(f"{name} was left out: {why}")
-                else:
-                    faults.extend(
-                        Fault(f"studies.{name}: {fault.where}", fault.what, fault.expected, fault.remedy)
-                        for fault in error.faults
-                    )
-                continue
-            planned.append(study)
-            faults.extend(self._missing(study))
-        if faults:
-            raise UserError(_once(faults))
-        return planned, notes
+                planned.append(Planned(name, recipe, make_plan(recipe, plugins)))
+                found.faults += self._missing(planned[-1])
+        found.refuse()
+        return planned, found.notes
 
     def _recipe(self, name: str) -> Recipe:
         study = self.config.studies[name]
-        problem = study.problem or self.config.problem
-        recipe = load_recipe(problem, {**self.config.change, **study.change})
-        if not isinstance(recipe, Recipe):
-            raise UserError(Fault("problem", f"{problem} is no study", "a recipe that designs"))
-        return recipe
+        changes = {**self.config.change, **study.change}
+        return study_recipe(study.problem or self.config.problem, changes, key="problem")
 
     def _missing(self, study: Planned) -> Iterator[Fault]:
         """Demands of rows and columns on a study that it will not meet."""
@@ -149,14 +130,3 @@ class StudiesTable:
                     progress=progress,
                 )
                 yield StudyRun(study.name, seed, result, read_run_lines(folder / "generations.jsonl"))
-
-
-def _once(faults: Sequence[Fault]) -> list[Fault]:
-    """The faults, those alike said once: at the first place, and how many more there are."""
-    places: dict[tuple[str, str, str], list[str]] = {}
-    for fault in faults:
-        places.setdefault((fault.what, fault.expected, fault.remedy), []).append(fault.where)
-    return [
-        Fault(where if not more else f"{where} (and {len(more)} more like it)", *said)
-        for said, (where, *more) in places.items()
-    ]

@@ -26,7 +26,7 @@ from tacos_framework import (
 )
 from tacos_plugins.building import build, build_rig, episode_of
 from tacos_plugins.noise_calibration.bench import CameraSetting
-from tacos_report.page import write_page
+from tacos_validation.harness import leave
 from tacos_validation.task_validation.acquisition import Taken, take
 from tacos_validation.task_validation.findings import ValidationFindings
 from tacos_validation.task_validation.pages import page, summary
@@ -109,8 +109,8 @@ class ValidateTask:
             simulated=tuple(taken["simulator"]),
             reference=tuple(taken["reference"]),
         )
-        write_page(out / "report.html", page(config.simulator.use, config.reference.use, findings))
-        return {**findings.as_data(), "summary": summary(findings)}
+        shown = page(config.simulator.use, config.reference.use, findings)
+        return leave(out, shown, findings.as_data(), summary(findings))
 
     def _rig(self, camera: OffTheShelf, plugins: Plugins) -> Rig:
         return build_rig(

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -12,12 +9,9 @@ from tacos_validation.blind.generators.camera import IdealShot, Image
 from tacos_validation.blind.generators.injected_effect import InjectedEffect
 
 
-@dataclass(frozen=True)
-class InjectedLateralChromaticAberration(InjectedEffect):
+class InjectedLateralChromaticAberration(InjectedEffect, name="lateral-chromatic-aberration"):
     """Red and blue focused at other radii than green."""
 
-    name: ClassVar[str] = "lateral-chromatic-aberration"
-    order: ClassVar[int] = 0
     red: float = 0.0
     blue: float = 0.0
     red_r2: float = 0.0
@@ -37,12 +31,9 @@ class InjectedLateralChromaticAberration(InjectedEffect):
         return cx + (x - cx) * ratio, cy + (y - cy) * ratio
 
 
-@dataclass(frozen=True)
-class InjectedLensDistortion(InjectedEffect):
+class InjectedLensDistortion(InjectedEffect, name="lens-distortion", place=1):
     """A lens that bends straight lines, by the plumb-line model, inverted by fixed point."""
 
-    name: ClassVar[str] = "lens-distortion"
-    order: ClassVar[int] = 1
     k1: float = 0.0
     k2: float = 0.0
     p1: float = 0.0
@@ -64,12 +55,9 @@ class InjectedLensDistortion(InjectedEffect):
         return cx + f * true.real, cy + f * true.imag
 
 
-@dataclass(frozen=True)
-class InjectedFocalLengthError(InjectedEffect):
+class InjectedFocalLengthError(InjectedEffect, name="focal-length-error", place=2):
     """Another focal length and principal point."""
 
-    name: ClassVar[str] = "focal-length-error"
-    order: ClassVar[int] = 2
     scale: float = 1.0
     dx_px: float = 0.0
     dy_px: float = 0.0
@@ -82,12 +70,9 @@ class InjectedFocalLengthError(InjectedEffect):
         return cx + f * tan_x, cy + f * tan_y
 
 
-@dataclass(frozen=True)
-class InjectedPoseError(InjectedEffect):
+class InjectedPoseError(InjectedEffect, name="pose-error", place=3):
     """The camera stands and looks otherwise than believed; what it sees is a plane."""
 
-    name: ClassVar[str] = "pose-error"
-    order: ClassVar[int] = 3
     rx: float = 0.0
     ry: float = 0.0
     rz: float = 0.0
@@ -110,12 +95,9 @@ class InjectedPoseError(InjectedEffect):
         )
 
 
-@dataclass(frozen=True)
-class InjectedRollingShutter(InjectedEffect):
+class InjectedRollingShutter(InjectedEffect, name="rolling-shutter", place=4):
     """A shutter that exposes rows one after another."""
 
-    name: ClassVar[str] = "rolling-shutter"
-    order: ClassVar[int] = 4
     row_time_us: float = 0.0
 
     def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:

@@ -18,7 +18,7 @@ def seen(shot: IdealShot, effects: Sequence[InjectedEffect], pad: int = 0) -> Im
     planes = []
     for channel in range(shot.camera.channels):
         at_x, at_y = x, y
-        for effect in sorted(effects, key=lambda f: f.order):
+        for effect in sorted(effects, key=lambda f: f.place):
             at_x, at_y = effect.rays(at_x, at_y, channel, shot, y)
         planes.append(shot.look(at_x, at_y, channel))
     return np.stack(planes, axis=-1)
@@ -40,7 +40,7 @@ def take(
 
     `rng`: draws what differs from frame to frame. `sensor_seed`: draws what belongs to the individual sensor.
     """
-    ordered = sorted(effects, key=lambda f: f.order)
+    ordered = sorted(effects, key=lambda f: f.place)
     camera = shot.camera
     blurs = any(type(effect).light is not InjectedEffect.light for effect in ordered)
     pad = PAD_PX if blurs else 0

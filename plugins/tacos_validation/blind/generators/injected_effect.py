@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, dataclass_transform
 
 import numpy as np
 
 from tacos_validation.blind.generators.camera import IdealShot, Image
 
 
+@dataclass_transform(frozen_default=True)
 @dataclass(frozen=True)
 class InjectedEffect:
-    """One effect; neutral but where a subclass overrides. Fields are the catalogue's parameters."""
+    """One effect; neutral but where a subclass overrides. Fields are the catalogue's parameters.
+
+    A subclass says both in its head, ``class ReadNoise(InjectedEffect, name="read-noise", place=3)``, and is
+    a frozen data class.
+    """
 
     name: ClassVar[str]
-    order: ClassVar[int] = 0
-    """Among effects that act at the same point."""
+    place: ClassVar[int]  # among effects that act at the same point
+
+    def __init_subclass__(cls, *, name: str = "", place: int = 0) -> None:
+        super().__init_subclass__()
+        cls.name, cls.place = name, place
+        dataclass(frozen=True)(cls)
 
     @property
     def photon_factor(self) -> float:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import numpy as np
 from scipy import fft, ndimage, special
 
@@ -12,12 +9,9 @@ from tacos_validation.blind.generators.camera import IdealShot, Image
 from tacos_validation.blind.generators.injected_effect import InjectedEffect
 
 
-@dataclass(frozen=True)
-class InjectedIlluminationGradient(InjectedEffect):
+class InjectedIlluminationGradient(InjectedEffect, name="illumination-gradient"):
     """Light that rises over the image."""
 
-    name: ClassVar[str] = "illumination-gradient"
-    order: ClassVar[int] = 0
     gx: float = 0.0
     gy: float = 0.0
 
@@ -28,12 +22,9 @@ class InjectedIlluminationGradient(InjectedEffect):
         return light * np.maximum(plane, 0.0)[..., None]
 
 
-@dataclass(frozen=True)
-class InjectedDefocus(InjectedEffect):
+class InjectedDefocus(InjectedEffect, name="defocus", place=1):
     """Discs in place of points, by their transfer function 2 J1(x) / x."""
 
-    name: ClassVar[str] = "defocus"
-    order: ClassVar[int] = 1
     radius_px: float = 0.0
 
     def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
@@ -46,12 +37,9 @@ class InjectedDefocus(InjectedEffect):
         return np.asarray(fft.irfft2(spectrum, s=(height, width), axes=(0, 1))).clip(0)
 
 
-@dataclass(frozen=True)
-class InjectedLensBlur(InjectedEffect):
+class InjectedLensBlur(InjectedEffect, name="lens-blur", place=2):
     """A Gaussian that grows with the squared radius: between images blurred more and more."""
 
-    name: ClassVar[str] = "lens-blur"
-    order: ClassVar[int] = 2
     sigma_px: float = 0.0
     growth: float = 0.0
 
@@ -77,12 +65,9 @@ def _gaussian(light: Image, sigma_px: float) -> Image:
     return np.asarray(fft.irfft2(filtered, s=(height, width), axes=(0, 1))).clip(0)
 
 
-@dataclass(frozen=True)
-class InjectedVeilingGlare(InjectedEffect):
+class InjectedVeilingGlare(InjectedEffect, name="veiling-glare", place=3):
     """A share of the light strays evenly."""
 
-    name: ClassVar[str] = "veiling-glare"
-    order: ClassVar[int] = 3
     share: float = 0.0
 
     def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
@@ -90,12 +75,9 @@ class InjectedVeilingGlare(InjectedEffect):
         return light + self.share * (inner.mean(axis=(0, 1)) - light)
 
 
-@dataclass(frozen=True)
-class InjectedVignetting(InjectedEffect):
+class InjectedVignetting(InjectedEffect, name="vignetting", place=4):
     """Light that falls off with the radius."""
 
-    name: ClassVar[str] = "vignetting"
-    order: ClassVar[int] = 4
     k1: float = 0.0
     k2: float = 0.0
     k3: float = 0.0
@@ -106,12 +88,9 @@ class InjectedVignetting(InjectedEffect):
         return light * np.maximum(fall, 0)[..., None]
 
 
-@dataclass(frozen=True)
-class InjectedMotionBlur(InjectedEffect):
+class InjectedMotionBlur(InjectedEffect, name="motion-blur", place=5):
     """The camera shakes along a line while the shutter is open: the mean of many moments."""
 
-    name: ClassVar[str] = "motion-blur"
-    order: ClassVar[int] = 5
     length_px: float = 0.0
     angle_deg: float = 0.0
 
@@ -129,23 +108,18 @@ class InjectedMotionBlur(InjectedEffect):
         return np.asarray(fft.irfft2(spectrum, s=(height, width), axes=(0, 1))).clip(0)
 
 
-@dataclass(frozen=True)
-class InjectedExposureError(InjectedEffect):
+class InjectedExposureError(InjectedEffect, name="exposure-error", place=6):
     """More or less light than believed."""
 
-    name: ClassVar[str] = "exposure-error"
-    order: ClassVar[int] = 6
     scale: float = 1.0
 
     def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
         return light * self.scale
 
 
-@dataclass(frozen=True)
-class InjectedFlicker(InjectedEffect):
+class InjectedFlicker(InjectedEffect, name="flicker"):
     """Lamps that pulse while rows are read."""
 
-    name: ClassVar[str] = "flicker"
     depth: float = 0.0
     period_rows: float = 100.0
 

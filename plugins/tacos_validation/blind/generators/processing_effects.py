@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import io
-from dataclasses import dataclass
-from typing import ClassVar
 
 import cv2
 import numpy as np
@@ -16,12 +14,9 @@ from tacos_validation.blind.generators.camera import IdealShot, Image
 from tacos_validation.blind.generators.injected_effect import InjectedEffect
 
 
-@dataclass(frozen=True)
-class InjectedShadingCorrection(InjectedEffect):
+class InjectedShadingCorrection(InjectedEffect, name="lens-shading-correction", place=10):
     """Corners made brighter after the noise."""
 
-    name: ClassVar[str] = "lens-shading-correction"
-    order: ClassVar[int] = 10
     k1: float = 0.0
     k2: float = 0.0
 
@@ -31,12 +26,9 @@ class InjectedShadingCorrection(InjectedEffect):
         return black + (codes - black) * (1 + s * (self.k1 + s * self.k2))
 
 
-@dataclass(frozen=True)
-class InjectedWhiteBalance(InjectedEffect):
+class InjectedWhiteBalance(InjectedEffect, name="white-balance", place=20):
     """Red and blue multiplied."""
 
-    name: ClassVar[str] = "white-balance"
-    order: ClassVar[int] = 20
     red: float = 1.0
     blue: float = 1.0
 
@@ -45,12 +37,9 @@ class InjectedWhiteBalance(InjectedEffect):
         return black + (codes - black) * np.array([self.red, 1.0, self.blue])
 
 
-@dataclass(frozen=True)
-class InjectedDemosaicing(InjectedEffect):
+class InjectedDemosaicing(InjectedEffect, name="demosaic", place=30):
     """One colour per pixel, the others made up by OpenCV."""
 
-    name: ClassVar[str] = "demosaic"
-    order: ClassVar[int] = 30
     method: str = "bilinear"
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
@@ -61,12 +50,9 @@ class InjectedDemosaicing(InjectedEffect):
         return np.asarray(cv2.cvtColor(raw.astype(np.uint8), way), np.float64)
 
 
-@dataclass(frozen=True)
-class InjectedDenoising(InjectedEffect):
+class InjectedDenoising(InjectedEffect, name="denoise", place=40):
     """Local means where there is no more than noise, which the camera knows from its own calibration."""
 
-    name: ClassVar[str] = "denoise"
-    order: ClassVar[int] = 40
     strength: float = 0.0
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
@@ -84,12 +70,9 @@ class InjectedDenoising(InjectedEffect):
         return smooth
 
 
-@dataclass(frozen=True)
-class InjectedColourMatrix(InjectedEffect):
+class InjectedColourMatrix(InjectedEffect, name="colour-matrix", place=50):
     """Colours mixed from one another, greys kept; the off-diagonal entries row by row."""
 
-    name: ClassVar[str] = "colour-matrix"
-    order: ClassVar[int] = 50
     matrix: tuple[tuple[float, ...], ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
@@ -97,12 +80,9 @@ class InjectedColourMatrix(InjectedEffect):
         return np.asarray(black + np.einsum("ij,hwj->hwi", np.array(self.matrix), codes - black))
 
 
-@dataclass(frozen=True)
-class InjectedToneCurve(InjectedEffect):
+class InjectedToneCurve(InjectedEffect, name="tone-curve", place=60):
     """Codes as for a display: a power of the signal."""
 
-    name: ClassVar[str] = "tone-curve"
-    order: ClassVar[int] = 60
     gamma: float = 1.0
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
@@ -112,12 +92,9 @@ class InjectedToneCurve(InjectedEffect):
         return table[codes.astype(int)]
 
 
-@dataclass(frozen=True)
-class InjectedSharpening(InjectedEffect):
+class InjectedSharpening(InjectedEffect, name="sharpening", place=70):
     """An unsharp mask."""
 
-    name: ClassVar[str] = "sharpening"
-    order: ClassVar[int] = 70
     amount: float = 0.0
     radius_px: float = 1.0
 
@@ -126,12 +103,9 @@ class InjectedSharpening(InjectedEffect):
         return codes + self.amount * (codes - soft)
 
 
-@dataclass(frozen=True)
-class InjectedJpeg(InjectedEffect):
+class InjectedJpeg(InjectedEffect, name="jpeg", place=80):
     """JPEG by Pillow."""
 
-    name: ClassVar[str] = "jpeg"
-    order: ClassVar[int] = 80
     quality: int = 100
     subsampling: str = "4:2:0"
 

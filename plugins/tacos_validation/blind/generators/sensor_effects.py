@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -11,11 +10,9 @@ from tacos_validation.blind.generators.camera import IdealShot, Image
 from tacos_validation.blind.generators.injected_effect import InjectedEffect
 
 
-@dataclass(frozen=True)
-class InjectedConversionGainError(InjectedEffect):
+class InjectedConversionGainError(InjectedEffect, name="conversion-gain-error"):
     """Fewer or more electrons behind a digital number."""
 
-    name: ClassVar[str] = "conversion-gain-error"
     scale: float = 1.0
 
     @property
@@ -23,24 +20,18 @@ class InjectedConversionGainError(InjectedEffect):
         return self.scale
 
 
-@dataclass(frozen=True)
-class InjectedPrnu(InjectedEffect):
+class InjectedPrnu(InjectedEffect, name="prnu"):
     """Pixels that respond more or less than others."""
 
-    name: ClassVar[str] = "prnu"
-    order: ClassVar[int] = 0
     sigma: float = 0.0
 
     def charge(self, mean: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         return mean * np.maximum(sensor.normal(1.0, self.sigma, size=mean.shape), 0)
 
 
-@dataclass(frozen=True)
-class InjectedDarkCurrent(InjectedEffect):
+class InjectedDarkCurrent(InjectedEffect, name="dark-current", place=1):
     """Charge that gathers in the dark, fast in a few pixels."""
 
-    name: ClassVar[str] = "dark-current"
-    order: ClassVar[int] = 1
     rate_dn_s: float = 0.0
     hot_share: float = 0.0
 
@@ -51,12 +42,9 @@ class InjectedDarkCurrent(InjectedEffect):
         return mean + rate * shot.exposure_ms * 1e-3
 
 
-@dataclass(frozen=True)
-class InjectedDsnu(InjectedEffect):
+class InjectedDsnu(InjectedEffect, name="dsnu", place=2):
     """Pixels and columns with offsets of their own."""
 
-    name: ClassVar[str] = "dsnu"
-    order: ClassVar[int] = 2
     sigma_dn: float = 0.0
     column_sigma_dn: float = 0.0
 
@@ -66,12 +54,9 @@ class InjectedDsnu(InjectedEffect):
         return mean + pixels + columns
 
 
-@dataclass(frozen=True)
-class InjectedDefectLines(InjectedEffect):
+class InjectedDefectLines(InjectedEffect, name="defect-lines", place=3):
     """A few rows and columns that stand off from the others, always the same ones."""
 
-    name: ClassVar[str] = "defect-lines"
-    order: ClassVar[int] = 3
     offset_dn: float = 0.0
     columns: int = 2
     rows: int = 1
@@ -89,12 +74,9 @@ class InjectedDefectLines(InjectedEffect):
         return {"offset_dn": self.offset_dn}
 
 
-@dataclass(frozen=True)
-class InjectedCrosstalk(InjectedEffect):
+class InjectedCrosstalk(InjectedEffect, name="crosstalk"):
     """Neighbours that share their charge after it was counted."""
 
-    name: ClassVar[str] = "crosstalk"
-    order: ClassVar[int] = 0
     share: float = 0.0
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
@@ -104,24 +86,18 @@ class InjectedCrosstalk(InjectedEffect):
         return np.asarray((1 - 8 * self.share) * samples + self.share * around)
 
 
-@dataclass(frozen=True)
-class InjectedSaturation(InjectedEffect):
+class InjectedSaturation(InjectedEffect, name="saturation", place=1):
     """Pixels full below full scale."""
 
-    name: ClassVar[str] = "saturation"
-    order: ClassVar[int] = 1
     level_dn: float = 255.0
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         return np.where(samples > self.level_dn, self.level_dn, samples)
 
 
-@dataclass(frozen=True)
-class InjectedNonlinearity(InjectedEffect):
+class InjectedNonlinearity(InjectedEffect, name="nonlinearity", place=2):
     """An amplifier that bends."""
 
-    name: ClassVar[str] = "nonlinearity"
-    order: ClassVar[int] = 2
     a2: float = 0.0
     a3: float = 0.0
 
@@ -133,24 +109,18 @@ class InjectedNonlinearity(InjectedEffect):
         )
 
 
-@dataclass(frozen=True)
-class InjectedReadNoise(InjectedEffect):
+class InjectedReadNoise(InjectedEffect, name="read-noise", place=3):
     """Noise added to every sample."""
 
-    name: ClassVar[str] = "read-noise"
-    order: ClassVar[int] = 3
     sigma_dn: float = 0.0
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         return samples + rng.normal(0.0, self.sigma_dn, size=samples.shape)
 
 
-@dataclass(frozen=True)
-class InjectedRowNoise(InjectedEffect):
+class InjectedRowNoise(InjectedEffect, name="row-noise", place=4):
     """Rows and columns that jump from frame to frame."""
 
-    name: ClassVar[str] = "row-noise"
-    order: ClassVar[int] = 4
     sigma_dn: float = 0.0
     column_sigma_dn: float = 0.0
 
@@ -160,24 +130,18 @@ class InjectedRowNoise(InjectedEffect):
         return samples + rows + rng.normal(0.0, self.column_sigma_dn, size=(1, width, 1))
 
 
-@dataclass(frozen=True)
-class InjectedBlackLevelError(InjectedEffect):
+class InjectedBlackLevelError(InjectedEffect, name="black-level", place=5):
     """A pedestal other than believed."""
 
-    name: ClassVar[str] = "black-level"
-    order: ClassVar[int] = 5
     offset_dn: float = 0.0
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         return samples + self.offset_dn
 
 
-@dataclass(frozen=True)
-class InjectedQuantisation(InjectedEffect):
+class InjectedQuantisation(InjectedEffect, name="quantisation", place=6):
     """A converter with coarse steps, or one that rounds down."""
 
-    name: ClassVar[str] = "quantisation"
-    order: ClassVar[int] = 6
     step_dn: float = 1.0
     rounding: str = "nearest"
 

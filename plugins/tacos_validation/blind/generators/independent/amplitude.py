@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from tacos_validation.blind.generators.injected_effect import InjectedEffect
 
 
-@dataclass(frozen=True)
 class SingleAmplitudeEffect(InjectedEffect):
     """An effect of one amplitude, whose shape the catalogue's parameters do not describe."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from functools import lru_cache
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -18,11 +18,8 @@ MIRED = 400.0
 """Shift of the reciprocal colour temperature at amplitude 1 [1e-6/K]."""
 
 
-class WarmerLamp(SingleAmplitudeEffect):
+class WarmerLamp(SingleAmplitudeEffect, name="white-balance", place=20):
     """A camera balanced for daylight under a warmer black body, which a Nikon D5100 sees."""
-
-    name: ClassVar[str] = "white-balance"
-    order: ClassVar[int] = 20
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         black = shot.camera.black_dn
@@ -39,11 +36,8 @@ class WarmerLamp(SingleAmplitudeEffect):
         return {"red": red, "blue": blue}
 
 
-class OtherCamera(SingleAmplitudeEffect):
+class OtherCamera(SingleAmplitudeEffect, name="colour-matrix", place=50):
     """Colours through other filters: from a Nikon D5100 to a Sigma SD Merrill, part of the way."""
-
-    name: ClassVar[str] = "colour-matrix"
-    order: ClassVar[int] = 50
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         black = shot.camera.black_dn

@@ -13,11 +13,9 @@ from tacos_validation.blind.generators.camera import IdealCamera, IdealShot, Ima
 from tacos_validation.blind.generators.independent.amplitude import SingleAmplitudeEffect
 
 
-class RealFringes(SingleAmplitudeEffect):
+class RealFringes(SingleAmplitudeEffect, name="lateral-chromatic-aberration"):
     """Lateral colour as lensfun measured it on a zoom lens, times the amplitude."""
 
-    name: ClassVar[str] = "lateral-chromatic-aberration"
-    order: ClassVar[int] = 0
     lens: ClassVar[str] = "Canon EF 100-400mm f/4.5-5.6L IS USM"
 
     def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
@@ -40,7 +38,7 @@ def _fringes(lens: str, width_px: int, height_px: int) -> Image:
     return np.asarray(found - np.stack([x, y], axis=-1)[:, :, None])
 
 
-class AberratedPupil(SingleAmplitudeEffect):
+class AberratedPupil(SingleAmplitudeEffect, name="lens-blur", place=2):
     """Diffraction by a round pupil with spherical aberration.
 
     The amplitude is wavelength times f-number over the pixel pitch: nothing of a finer period passes.
@@ -50,8 +48,6 @@ class AberratedPupil(SingleAmplitudeEffect):
     Goodman 2005, "Introduction to Fourier Optics", 6.4: the transfer function is the pupil's autocorrelation.
     """
 
-    name: ClassVar[str] = "lens-blur"
-    order: ClassVar[int] = 2
     waves: ClassVar[float] = 0.2
 
     def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
@@ -76,11 +72,9 @@ def pupil_transfer(waves: float) -> tuple[Image, Image]:
     return np.arange(len(profile)) / (2 * radius), profile / profile[0]
 
 
-class OpenCvPose(SingleAmplitudeEffect):
+class OpenCvPose(SingleAmplitudeEffect, name="pose-error", place=3):
     """Another pose, projected forwards by OpenCV and inverted by the homography of four points."""
 
-    name: ClassVar[str] = "pose-error"
-    order: ClassVar[int] = 3
     turn: ClassVar[tuple[float, float, float]] = (0.5, -0.7, 0.5)
     shift: ClassVar[tuple[float, float, float]] = (2.0, 1.5, -2.0)
 
@@ -106,11 +100,8 @@ class OpenCvPose(SingleAmplitudeEffect):
         return {key: self.amplitude * part for key, part in (*turned, *shifted)}
 
 
-class OpenCvFocalLength(SingleAmplitudeEffect):
+class OpenCvFocalLength(SingleAmplitudeEffect, name="focal-length-error", place=2):
     """Another camera matrix, undone by OpenCV."""
-
-    name: ClassVar[str] = "focal-length-error"
-    order: ClassVar[int] = 2
 
     def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
         believed = _matrix(shot.camera)

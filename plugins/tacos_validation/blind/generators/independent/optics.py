@@ -12,11 +12,8 @@ from tacos_validation.blind.generators.camera import IdealShot, Image
 from tacos_validation.blind.generators.independent.amplitude import SingleAmplitudeEffect
 
 
-class SideLamp(SingleAmplitudeEffect):
+class SideLamp(SingleAmplitudeEffect, name="illumination-gradient"):
     """A lamp beside the scene: the inverse square of the distance."""
-
-    name: ClassVar[str] = "illumination-gradient"
-    order: ClassVar[int] = 0
 
     def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
         """Scaled to 1 in the middle."""
@@ -27,11 +24,8 @@ class SideLamp(SingleAmplitudeEffect):
         return light * ((1 + away**2) / (1 + (away - u) ** 2 + v**2))[..., None]
 
 
-class NaturalFallOff(SingleAmplitudeEffect):
+class NaturalFallOff(SingleAmplitudeEffect, name="vignetting", place=4):
     """The fourth power of the cosine, and a barrel that cuts off oblique light."""
-
-    name: ClassVar[str] = "vignetting"
-    order: ClassVar[int] = 4
 
     def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
         r = np.sqrt(shot.camera.squared_radius(pad))
@@ -40,11 +34,8 @@ class NaturalFallOff(SingleAmplitudeEffect):
         return light * (np.cos(angle) ** 4 * np.clip(rim, 0, 1))[..., None]
 
 
-class FisheyeLens(SingleAmplitudeEffect):
+class FisheyeLens(SingleAmplitudeEffect, name="lens-distortion", place=1):
     """OpenCV's fisheye model, mixed with a pinhole."""
-
-    name: ClassVar[str] = "lens-distortion"
-    order: ClassVar[int] = 1
 
     def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
         """Undistort by OpenCV: equidistant at amplitude 1, a pinhole at 0."""
@@ -56,11 +47,9 @@ class FisheyeLens(SingleAmplitudeEffect):
         return mixed[:, 0].reshape(x.shape), mixed[:, 1].reshape(x.shape)
 
 
-class RealLens(SingleAmplitudeEffect):
+class RealLens(SingleAmplitudeEffect, name="lens-distortion", place=1):
     """A lens of the lensfun database; amplitude picks one."""
 
-    name: ClassVar[str] = "lens-distortion"
-    order: ClassVar[int] = 1
     models: ClassVar[tuple[str, ...]] = (
         "Canon EF 16-35mm f/4L IS USM",
         "Canon EF 22-55mm f/4-5.6 USM",
@@ -87,11 +76,8 @@ class RealLens(SingleAmplitudeEffect):
         return x + at[0], y + at[1]
 
 
-class Hexagon(SingleAmplitudeEffect):
+class Hexagon(SingleAmplitudeEffect, name="defocus", place=1):
     """The out-of-focus image of a six-bladed aperture."""
-
-    name: ClassVar[str] = "defocus"
-    order: ClassVar[int] = 1
 
     def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
         fine = 8
@@ -106,11 +92,9 @@ class Hexagon(SingleAmplitudeEffect):
         return signal.fftconvolve(light, (kernel / kernel.sum())[..., None], mode="same").clip(0)
 
 
-class HandShake(SingleAmplitudeEffect):
+class HandShake(SingleAmplitudeEffect, name="motion-blur", place=5):
     """A hand that trembles along a line, slower at the turning points."""
 
-    name: ClassVar[str] = "motion-blur"
-    order: ClassVar[int] = 5
     angle_deg: ClassVar[float] = 25.0
 
     def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
@@ -124,11 +108,8 @@ class HandShake(SingleAmplitudeEffect):
         return np.asarray(fft.irfft2(spectrum, s=(height, width), axes=(0, 1))).clip(0)
 
 
-class WidePsf(SingleAmplitudeEffect):
+class WidePsf(SingleAmplitudeEffect, name="veiling-glare", place=3):
     """Stray light that falls off exponentially."""
-
-    name: ClassVar[str] = "veiling-glare"
-    order: ClassVar[int] = 3
 
     def light(self, light: Image, shot: IdealShot, pad: int) -> Image:
         height, width = light.shape[:2]
@@ -139,10 +120,8 @@ class WidePsf(SingleAmplitudeEffect):
         return ((1 - self.amplitude) * light + self.amplitude * total / reach).clip(0)
 
 
-class FluorescentTube(SingleAmplitudeEffect):
+class FluorescentTube(SingleAmplitudeEffect, name="flicker"):
     """A tube that follows the rectified mains."""
-
-    name: ClassVar[str] = "flicker"
 
     def frame_light(self, light: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         rows = np.arange(light.shape[0])[:, None, None]

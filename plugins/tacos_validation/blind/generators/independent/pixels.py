@@ -11,16 +11,13 @@ from tacos_validation.blind.generators.camera import IdealShot, Image
 from tacos_validation.blind.generators.independent.amplitude import SingleAmplitudeEffect
 
 
-class AvalancheGain(SingleAmplitudeEffect):
+class AvalancheGain(SingleAmplitudeEffect, name="conversion-gain-error", place=-1):
     """Electrons multiplied by chance, as in an electron-multiplying sensor: more noise at the same mean.
 
     References
     ----------
     Basden, Haniff and Mackay 2003, "Photon counting strategies with low-light-level CCDs", MNRAS 345: gamma.
     """
-
-    name: ClassVar[str] = "conversion-gain-error"
-    order: ClassVar[int] = -1
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         """Replace the signal by a gamma variable of the same mean."""
@@ -31,11 +28,9 @@ class AvalancheGain(SingleAmplitudeEffect):
         return camera.black_dn + np.where(signal_dn > 0, multiplied, signal_dn)
 
 
-class UnevenFullWells(SingleAmplitudeEffect):
+class UnevenFullWells(SingleAmplitudeEffect, name="saturation", place=1):
     """Wells that are full at a level of each pixel's own."""
 
-    name: ClassVar[str] = "saturation"
-    order: ClassVar[int] = 1
     spread: ClassVar[float] = 0.004
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
@@ -44,16 +39,13 @@ class UnevenFullWells(SingleAmplitudeEffect):
         return np.minimum(codes, camera.black_dn + wells)
 
 
-class UnevenDarkCurrent(SingleAmplitudeEffect):
+class UnevenDarkCurrent(SingleAmplitudeEffect, name="dark-current", place=1):
     """Dark current that spreads lognormally over pixels, some of which are hot.
 
     References
     ----------
     Widenhorn et al. 2002, "Temperature dependence of dark current in a CCD", Proc. SPIE 4669.
     """
-
-    name: ClassVar[str] = "dark-current"
-    order: ClassVar[int] = 1
 
     def charge(self, mean: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         rates = self.amplitude * sensor.lognormal(-0.5 * 0.3**2, 0.3, size=mean.shape)
@@ -66,11 +58,8 @@ class UnevenDarkCurrent(SingleAmplitudeEffect):
         return {"rate_dn_s": self.amplitude}
 
 
-class HeavyTailedOffsets(SingleAmplitudeEffect):
+class HeavyTailedOffsets(SingleAmplitudeEffect, name="dsnu", place=2):
     """Offsets by Student's t with five degrees of freedom: more pixels far out than a Gaussian has."""
-
-    name: ClassVar[str] = "dsnu"
-    order: ClassVar[int] = 2
 
     def charge(self, mean: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         return mean + self.amplitude * sensor.standard_t(5, size=mean.shape) / np.sqrt(5 / 3)
@@ -80,11 +69,8 @@ class HeavyTailedOffsets(SingleAmplitudeEffect):
         return {"sigma_dn": self.amplitude}
 
 
-class ChargeDiffusion(SingleAmplitudeEffect):
+class ChargeDiffusion(SingleAmplitudeEffect, name="crosstalk"):
     """Charge that wanders, less the farther; the amplitude goes to each of the four nearest neighbours."""
-
-    name: ClassVar[str] = "crosstalk"
-    order: ClassVar[int] = 0
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         y, x = np.mgrid[-2:3, -2:3]
@@ -95,11 +81,8 @@ class ChargeDiffusion(SingleAmplitudeEffect):
         return np.asarray(signal.fftconvolve(padded, kernel[..., None], mode="valid"))
 
 
-class UnevenCodes(SingleAmplitudeEffect):
+class UnevenCodes(SingleAmplitudeEffect, name="quantisation", place=6):
     """A converter some of whose codes are never given out, and others stand for more than their share."""
-
-    name: ClassVar[str] = "quantisation"
-    order: ClassVar[int] = 6
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         """By a table: steps of about the amplitude, whose bounds are a little off."""
@@ -111,11 +94,8 @@ class UnevenCodes(SingleAmplitudeEffect):
         return np.asarray(table[codes.astype(int)], np.float64)
 
 
-class ClampedPedestal(SingleAmplitudeEffect):
+class ClampedPedestal(SingleAmplitudeEffect, name="black-level", place=5):
     """A pedestal that a control loop holds: it wanders a little, and even rows differ from odd ones."""
-
-    name: ClassVar[str] = "black-level"
-    order: ClassVar[int] = 5
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         rows = 0.02 * self.amplitude * (np.arange(samples.shape[0]) % 2 - 0.5)
@@ -127,11 +107,9 @@ class ClampedPedestal(SingleAmplitudeEffect):
         return {"offset_dn": self.amplitude}
 
 
-class BlockReadout(SingleAmplitudeEffect):
+class BlockReadout(SingleAmplitudeEffect, name="rolling-shutter", place=4):
     """A shutter that reads four rows at a time."""
 
-    name: ClassVar[str] = "rolling-shutter"
-    order: ClassVar[int] = 4
     rows: ClassVar[int] = 4
 
     def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
@@ -143,11 +121,8 @@ class BlockReadout(SingleAmplitudeEffect):
         return {"row_time_us": self.amplitude}
 
 
-class ErfShading(SingleAmplitudeEffect):
+class ErfShading(SingleAmplitudeEffect, name="lens-shading-correction", place=10):
     """Corners made brighter by a table for a lens whose light falls off as an error function."""
-
-    name: ClassVar[str] = "lens-shading-correction"
-    order: ClassVar[int] = 10
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         r = np.sqrt(shot.camera.squared_radius())[..., None]

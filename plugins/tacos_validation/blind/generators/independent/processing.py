@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import warnings
-from typing import Any, ClassVar
+from typing import Any
 
 import cv2
 import numpy as np
@@ -15,11 +15,8 @@ from tacos_validation.blind.generators.camera import IdealShot, Image
 from tacos_validation.blind.generators.independent.amplitude import SingleAmplitudeEffect
 
 
-class SrgbMixed(SingleAmplitudeEffect):
+class SrgbMixed(SingleAmplitudeEffect, name="tone-curve", place=60):
     """Part of the way to the sRGB curve, with its straight foot."""
-
-    name: ClassVar[str] = "tone-curve"
-    order: ClassVar[int] = 60
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         camera = shot.camera
@@ -28,11 +25,8 @@ class SrgbMixed(SingleAmplitudeEffect):
         return camera.black_dn + camera.range_dn * (y + self.amplitude * (curve - y))
 
 
-class PillowUnsharp(SingleAmplitudeEffect):
+class PillowUnsharp(SingleAmplitudeEffect, name="sharpening", place=70):
     """Pillow's unsharp mask, with a threshold."""
-
-    name: ClassVar[str] = "sharpening"
-    order: ClassVar[int] = 70
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         filtered = ImageFilter.UnsharpMask(
@@ -44,11 +38,8 @@ class PillowUnsharp(SingleAmplitudeEffect):
         )
 
 
-class NonLocalMeans(SingleAmplitudeEffect):
+class NonLocalMeans(SingleAmplitudeEffect, name="denoise", place=40):
     """OpenCV's non-local means."""
-
-    name: ClassVar[str] = "denoise"
-    order: ClassVar[int] = 40
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         return np.stack(
@@ -60,11 +51,8 @@ class NonLocalMeans(SingleAmplitudeEffect):
         )
 
 
-class TotalVariation(SingleAmplitudeEffect):
+class TotalVariation(SingleAmplitudeEffect, name="denoise", place=40):
     """Scikit-image's total variation."""
-
-    name: ClassVar[str] = "denoise"
-    order: ClassVar[int] = 40
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         from skimage.restoration import denoise_tv_chambolle  # type: ignore[import-untyped, import-not-found, unused-ignore]
@@ -72,11 +60,8 @@ class TotalVariation(SingleAmplitudeEffect):
         return np.asarray(denoise_tv_chambolle(codes, weight=self.amplitude, channel_axis=-1))
 
 
-class Menon(SingleAmplitudeEffect):
+class Menon(SingleAmplitudeEffect, name="demosaic", place=30):
     """Menon's demosaicing, of colour-demosaicing."""
-
-    name: ClassVar[str] = "demosaic"
-    order: ClassVar[int] = 30
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         with warnings.catch_warnings():  # it imports names that SciPy has moved
@@ -90,11 +75,8 @@ class Menon(SingleAmplitudeEffect):
         return np.asarray(demosaicing_CFA_Bayer_Menon2007(mosaic, "RGGB"), np.float64)
 
 
-class PhotographersJpeg(SingleAmplitudeEffect):
+class PhotographersJpeg(SingleAmplitudeEffect, name="jpeg", place=80):
     """JPEG with the tables of an image editor rather than those of libjpeg's scale."""
-
-    name: ClassVar[str] = "jpeg"
-    order: ClassVar[int] = 80
 
     def codes(self, codes: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         presets = ("web_maximum", "web_very_high", "web_high", "web_medium", "web_low")

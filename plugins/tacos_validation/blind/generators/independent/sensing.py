@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from scipy import signal
@@ -11,11 +11,8 @@ from tacos_validation.blind.generators.camera import IdealShot, Image
 from tacos_validation.blind.generators.independent.amplitude import SingleAmplitudeEffect
 
 
-class SoftFullWell(SingleAmplitudeEffect):
+class SoftFullWell(SingleAmplitudeEffect, name="nonlinearity", place=2):
     """A response that bends like an exponential."""
-
-    name: ClassVar[str] = "nonlinearity"
-    order: ClassVar[int] = 2
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         """(1 - exp(-a y)) / a."""
@@ -24,11 +21,8 @@ class SoftFullWell(SingleAmplitudeEffect):
         return camera.black_dn + camera.range_dn * -np.expm1(-self.amplitude * y) / self.amplitude
 
 
-class TelegraphNoise(SingleAmplitudeEffect):
+class TelegraphNoise(SingleAmplitudeEffect, name="read-noise", place=3):
     """Read noise of a logistic shape, with pixels that jump between levels."""
-
-    name: ClassVar[str] = "read-noise"
-    order: ClassVar[int] = 3
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         jumps = 4 * self.amplitude * rng.integers(-1, 2, samples.shape) * (rng.random(samples.shape) < 0.005)
@@ -36,11 +30,8 @@ class TelegraphNoise(SingleAmplitudeEffect):
         return samples + rng.logistic(0.0, scale, size=samples.shape) + jumps
 
 
-class DriftingRows(SingleAmplitudeEffect):
+class DriftingRows(SingleAmplitudeEffect, name="row-noise", place=4):
     """Row offsets that wander."""
-
-    name: ClassVar[str] = "row-noise"
-    order: ClassVar[int] = 4
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
         drawn = np.asarray(rng.normal(size=samples.shape[0]))
@@ -52,11 +43,8 @@ class DriftingRows(SingleAmplitudeEffect):
         return {"sigma_dn": self.amplitude}
 
 
-class LognormalPixels(SingleAmplitudeEffect):
+class LognormalPixels(SingleAmplitudeEffect, name="prnu"):
     """Responses that spread lognormally."""
-
-    name: ClassVar[str] = "prnu"
-    order: ClassVar[int] = 0
 
     def charge(self, mean: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
         return mean * sensor.lognormal(-(self.amplitude**2) / 2, self.amplitude, size=mean.shape)
