@@ -181,7 +181,6 @@ def _check(arguments: argparse.Namespace) -> int:
 
 
 def described(folder: CaptureFolder, considered: Candidates) -> Iterator[str]:
-    """What a folder holds, and what it cannot tell of the effects."""
     from tacos_gap.captures.coverage import untold
     from tacos_gap.report.words import captures_in_words, gathered
 

@@ -148,7 +148,6 @@ def _why_none(study: StudyData) -> str:
 
 
 def _why_alone(study: StudyData) -> str:
-    """Why there is no product beside the camera."""
     reasons = {each.against: each.why for each in study.analysis.comparisons if each.why}
     if reasons:
         said = "; ".join(f"{study.title_of(name)}: {why.rstrip('.')}" for name, why in reasons.items())
@@ -196,7 +195,6 @@ def score_changes(study: StudyData, other: CameraResult) -> dict[str, CameraDiff
 
 
 def score_weights(study: StudyData) -> dict[str, float]:
-    """Weight of each score in the fitness."""
     return {str(row["score"]): float(row["weight"]) for row in study.result.get("fitness") or []}
 
 
@@ -290,5 +288,4 @@ def space_words(row: Mapping[str, Any]) -> str:
 
 
 def _count(value: int, noun: str) -> str:
-    """A number of things, the noun in its right form."""
     return f"{number(value, 12)} {noun}{'' if value == 1 else 's'}"

@@ -106,7 +106,6 @@ class StudyData:
 
     @property
     def others(self) -> tuple[CameraResult, ...]:
-        """The cameras it is compared with."""
         return tuple(camera for camera in self.cameras if camera.name != DESIGNED)
 
     @property
@@ -125,14 +124,12 @@ class StudyData:
         return {name: text(said) for name, said in mapping(self.result.get("score_meanings")).items()}
 
     def title_of(self, name: str) -> str:
-        """Title of a camera of the study, also where it has no results."""
         without_results = {each.against: each.title for each in self.analysis.comparisons if each.title}
         titles = {**without_results, **{camera.name: camera.title for camera in self.cameras}}
         return titles.get(name, name.replace("_", " "))
 
     @property
     def tested(self) -> bool:
-        """True if the winner was scored on scenes it was not designed on."""
         return self.designed is not None and self.designed.fitness is not None
 
     @property
@@ -142,7 +139,6 @@ class StudyData:
 
     @property
     def scored(self) -> tuple[Tried, ...]:
-        """The candidates that have a fitness."""
         return tuple(candidate for candidate in self.tried if candidate.fitness is not None)
 
     @property

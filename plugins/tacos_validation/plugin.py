@@ -7,7 +7,6 @@ from tacos_framework import Component, hookimpl
 
 @hookimpl
 def tacos_components() -> list[Component]:
-    """Calibrations, validations and comparisons."""
     return [
         Component(
             "procedure",

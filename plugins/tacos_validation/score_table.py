@@ -69,7 +69,6 @@ class ScoreTable:
 
     @property
     def images(self) -> int:
-        """Images rendered for all that is in it."""
         return sum(row.images for row in self._rows.values())
 
     @property
@@ -78,7 +77,6 @@ class ScoreTable:
         return sum(row.seconds for row in self._rows.values())
 
     def lacking(self, wanted: Iterable[Wanted]) -> list[Wanted]:
-        """Wanted scores that are not in the table yet, each once."""
         by_key = {_key(values, spec): (values, spec) for values, spec in wanted}
         return [pair for key, pair in by_key.items() if key not in self._rows]
 
@@ -108,7 +106,6 @@ class ScoreTable:
         return self._rows[_key(values, spec)]
 
     def evaluation(self, values: Mapping[str, Any], specs: Sequence[EpisodeSpec]) -> Evaluation:
-        """Result of a study for a camera on these episodes; all must be in the table."""
         return evaluation_of(values, [self.row(values, spec) for spec in specs], self._plan.fitness)
 
 

@@ -110,7 +110,6 @@ def _product(plan: Plan, name: str) -> OffTheShelf:
 
 
 def _completed(plan: Plan, title: str, given: Mapping[str, Any]) -> CameraChoice:
-    """Values with those of the design variables that are left free, each in the middle."""
     _refuse_unknown(plan, given)
     known = {name: _part(plan, name, value) for name, value in given.items()}
     product = OffTheShelf(
@@ -146,7 +145,6 @@ def _part(plan: Plan, name: str, value: Any) -> Any:
 
 
 def _checked(plan: Plan, camera: CameraChoice) -> CameraChoice:
-    """The camera, which its rig can build."""
     try:
         plan.rig_variables(camera.values)
     except ValidationError as error:

@@ -124,7 +124,6 @@ def _sheet(triangles: Triangles, trajectory: Trajectory, margin_m: float, widest
 def _paint_surfaces(
     picture: Picture, sheet: _Sheet, triangles: Triangles, colours: NDArray[np.uint8], cut_m: float
 ) -> None:
-    """Surfaces below the cut, the higher over the lower."""
     import cv2
 
     heights = triangles[..., 2]
@@ -136,7 +135,6 @@ def _paint_surfaces(
 
 
 def _paint_section(picture: Picture, sheet: _Sheet, triangles: Triangles, cut_m: float) -> None:
-    """Cut through the world, as dark lines."""
     import cv2
 
     height = triangles[..., 2] - cut_m if math.isfinite(cut_m) else np.full(triangles.shape[:2], -1.0)
@@ -158,7 +156,6 @@ def _paint_trip(
     world_from_camera: NDArray[np.float64],
     camera: Camera,
 ) -> None:
-    """The path, and a wedge for each frame."""
     import cv2
 
     places = trajectory.world_from_agent[:, :2, 3]

@@ -211,7 +211,6 @@ def _write_sheet(
     names: Sequence[str],
     *more: Section,
 ) -> Path:
-    """A drawing of parts under a title and a source, and which of the names could not be drawn."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

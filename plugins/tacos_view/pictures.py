@@ -76,7 +76,6 @@ def contact_sheet(tiles: Sequence[Picture], columns: int, *, widest_px: int = 14
 
 
 def reduced(picture: Picture, widest_px: int) -> Picture:
-    """A picture no wider than that; one that is narrower stays as it is."""
     import cv2
 
     height, width = picture.shape[:2]

@@ -66,7 +66,6 @@ def study_recipe(
 
 
 def _changed(recipe: Recipe, sets: Mapping[str, Any] | None, effects: Sequence[Mapping[str, Any]]) -> Recipe:
-    """A recipe with other values and further effects, checked anew."""
     document = recipe.text or read_yaml_draft(to_yaml(recipe.as_data()), name=recipe.name)
     changed, faults = recipe_from(document, sets or {}, effects)
     if faults:

@@ -109,7 +109,6 @@ def visible_objects(view: View, world: World) -> list[tuple[int, NDArray[np.bool
 
 
 def labelled_classes(world: World) -> list[str]:
-    """Names of the classes, without the background."""
     return [name for name in world.class_names if name != world.objects[0].class_name]
 
 

@@ -21,7 +21,6 @@ class Solid:
 
     @classmethod
     def of_object(cls, world: World, thing: int) -> Solid:
-        """All parts of an object."""
         parts = [part for part in world.parts if part.object_id == thing]
         first = np.cumsum([0] + [len(part.vertices_m) for part in parts])
         vertices = np.concatenate([part.vertices_m.astype(np.float64) for part in parts])

@@ -94,7 +94,6 @@ class _Probe:
 
     @classmethod
     def of(cls, problem: Problem, left: NDArray[np.float64]) -> _Probe:
-        """The brightest of each kind."""
         blocks = block_index(problem)
         needed = least_significant(left, problem.null_replicates, blocks, SIGNIFICANT, SLACK)
         kinds: dict[str, list[_Part]] = {}

@@ -186,7 +186,6 @@ class Diagnosis:
 
     @property
     def effects(self) -> list[dict[str, Any]]:
-        """The causes as effects of a recipe for the captured camera."""
         return [{"use": f"effect.{cause.effect}", **cause.settings} for cause in self.causes]
 
 

@@ -41,8 +41,6 @@ class Photographed:
         return cls(shown[0].geometry, replace(shown[0].context, dn_per_electron=gain))
 
     def in_physical_units(self, kind: type[Settings], parameter: Parameter, name: str) -> Parameter:
-        """A parameter with its physical counterpart, where it has one and enough is known of the camera."""
-
         def turned(value: Any) -> tuple[str, float] | None:
             return physical_settings_of(kind, {name: value}, self.geometry, self.context).get(name)
 
@@ -89,7 +87,6 @@ def added(cause: Cause) -> Added:
 
 
 def patch(causes: Sequence[Cause]) -> list[dict[str, Any]]:
-    """Causes as effects of a recipe for any camera."""
     return [{"use": entry.use, **entry.settings} for entry in map(added, causes)]
 
 

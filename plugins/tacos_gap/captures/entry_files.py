@@ -63,7 +63,6 @@ def written_entry(folder: Path, name: str, capture: RealCapture, camera: Mapping
 
 
 def _scene_of(folder: Path, name: str, capture: RealCapture) -> dict[str, Any]:
-    """Depth, motion, readout and time."""
     context = capture.context
     entry: dict[str, Any] = {}
     if context.depth_m is not None:

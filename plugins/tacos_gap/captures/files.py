@@ -186,7 +186,6 @@ def _is_file(path: Path) -> bool:
 
 
 def _rows(path: Path, where: str, within: Path) -> Iterator[tuple[int, dict[str, str]]]:
-    """The lines of a table of patches, with their numbers."""
     (_, heading), *lines = read_csv(path, where=where, within=within) or [(1, [])]
     expected = ",".join(("id", *PATCH_COLUMNS))
     if missing := [name for name in PATCH_COLUMNS if name not in heading]:

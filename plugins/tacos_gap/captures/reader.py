@@ -102,7 +102,6 @@ class _Reader:
             )
 
     def capture(self, i: int) -> RealCapture | None:
-        """A capture; None after its faults were kept."""
         entry, camera, files = self.entry.captures[i], self.entry.camera, self.files
         before = len(files.faults)
         self._check_needs(i, entry)

@@ -18,7 +18,6 @@ class StatedNoise:
         self._check()
 
     def at(self, i: int, capture: CaptureEntry) -> Noise | None:
-        """The noise at the gain of a capture; None where none is stated, or there is a fault."""
         blocks = self._blocks
         if not blocks:
             return None

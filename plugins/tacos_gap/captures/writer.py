@@ -111,7 +111,6 @@ class CaptureWriter:
 
 
 def _safe(name: str) -> str:
-    """A capture's id as the name of a folder."""
     return re.sub(r"[^\w.-]", "_", name).strip(".")[:60] or "_"
 
 

@@ -30,7 +30,6 @@ class Candidates:
         return {name: cls for name, cls in self.effects.items() if name not in names}
 
     def without(self, name: str, error: BaseException) -> Candidates:
-        """The candidates without one that raised."""
         return Candidates(
             {other: cls for other, cls in self.effects.items() if other != name},
             self.distributions,
@@ -80,7 +79,6 @@ def _guesses(cls: type[Any]) -> bool:
 
 
 def left_out(name: str, distribution: str | None, error: BaseException) -> str:
-    """That an effect is not considered, and why."""
     of = f" of {distribution}" if distribution else ""
     why = " ".join(str(error).split()) or "it says nothing more"
     said = why if isinstance(error, UserError) else f"{type(error).__name__}: {why}"

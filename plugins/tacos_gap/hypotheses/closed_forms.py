@@ -58,7 +58,6 @@ def _of(name: str, cls: type[Any], captures: Sequence[RealCapture]) -> Iterator[
 
 
 def excluded(found: Sequence[ClosedForm]) -> tuple[str, ...]:
-    """Effects all of whose closed forms exclude them."""
     names = dict.fromkeys(form.effect for form in found)
     return tuple(n for n in names if all(f.says == "excluded" for f in found if f.effect == n))
 

@@ -57,7 +57,6 @@ class HypothesisTerm:
         return PlacedEffect(self.use, self.use, self.cls, config) if plausible else None
 
     def with_free(self, theta: Sequence[float]) -> HypothesisTerm:
-        """With other values of the free parameters."""
         changed = {name: float(value) for name, value in zip(self.free, theta, strict=True)}
         return replace(self, values={**self.values, **changed})
 

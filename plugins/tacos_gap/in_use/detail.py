@@ -86,7 +86,6 @@ def _steps(plane: Plane) -> Plane:
 
 
 def _noise_in_steps() -> np.float32:
-    """Squared steps that noise of variance 1 makes."""
     one = np.zeros((33, 33), np.float32)
     one[16, 16] = 1
     return np.float32(_steps(one).sum())

@@ -37,12 +37,10 @@ class InUse:
 
     @property
     def causes_in_motion(self) -> dict[str, list[str]]:
-        """Effects named in frames in motion, by exposure."""
         return {f"{blur.exposure_ms:g}": [MOTION] if blur.present else [] for blur in self.blurs}
 
     @property
     def causes_at_rest(self) -> dict[str, list[str]]:
-        """Effects named in frames at rest, by exposure."""
         unsteady = {f"{b.exposure_ms:g}": b.rest is not None and b.rest[0] > b.rest[1] for b in self.blurs}
         return {name: ["unsteady detail"] if found else [] for name, found in unsteady.items()}
 

@@ -28,7 +28,6 @@ def free_names(hypothesis: Hypothesis) -> list[str]:
 
 
 def with_theta(hypothesis: Hypothesis, theta: NDArray[np.float64]) -> Hypothesis:
-    """The hypothesis with other values of its free parameters."""
     changed: list[HypothesisTerm] = []
     start = 0
     for term in hypothesis:

@@ -71,7 +71,6 @@ def _place(label: Label) -> str:
 
 
 def without(hypothesis: Hypothesis, name: str) -> Hypothesis:
-    """A hypothesis less one effect."""
     return tuple(term for term in hypothesis if term.name != name)
 
 

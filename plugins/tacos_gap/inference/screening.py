@@ -90,7 +90,6 @@ def screening_score(directions: Sequence[ScreeningDirection], base: NDArray[np.f
 
 
 def all_initial_guesses(directions: Sequence[ScreeningDirection]) -> list[HypothesisTerm]:
-    """Where fits of an effect can begin, one for each direction."""
     single = _of_one_parameter(directions)
     return [_with_all_free(direction.term, single) for direction in directions]
 

@@ -59,7 +59,6 @@ class Freedom:
         return self.name != "noise_share"
 
     def within(self, share: float) -> Freedom:
-        """The same within a share of its prior."""
         return replace(self, sigma=self.sigma * share / self.share, share=share)
 
 

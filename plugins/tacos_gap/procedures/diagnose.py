@@ -193,7 +193,6 @@ class Diagnose:
         return {"diagnosis": data, "summary": summary(diagnosis, decision, shown, rest)}
 
     def _question(self) -> Question | None:
-        """The study to decide on."""
         config = self.config
         if not config.study:
             return None

@@ -50,13 +50,6 @@ def done_after(share: float, text: str) -> float:
 
 
 def time_left_s(elapsed_s: float, share: float) -> float | None:
-    """How long it may still take, by how long it took so far; None at the beginning [s].
-
-    Examples
-    --------
-    >>> time_left_s(60.0, 0.5)
-    60.0
-    """
     return None if share <= 0 else elapsed_s * (1 - share) / share
 
 

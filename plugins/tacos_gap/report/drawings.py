@@ -48,7 +48,6 @@ class Artist:
     after: str | None = "with the causes"
 
     def drawing(self, name: str, numbers: Numbers) -> Drawing:
-        """A statistic over whatever it was taken over."""
         view = view_of(numbers.statistic)
         kind = over(label.at for label in numbers.labels)
         caption = f"{view.title}. {view.explained}".rstrip()
@@ -69,7 +68,6 @@ class Artist:
         return in_both_widths(drawn, caption)
 
     def over_radius(self, name: str, numbers: Numbers) -> Drawing:
-        """A statistic of tiles over the distance from the centre."""
         drawn = partial(profile, name, numbers, "radius", before=self.before, after=self.after)
         title = view_of(numbers.statistic).title
         return in_both_widths(drawn, f"{title}, over the distance from the centre.")

@@ -132,7 +132,6 @@ def _coloured(difference: NDArray[np.float32], reach_dn: float) -> NDArray[np.ui
 
 
 def _most_different(difference: NDArray[np.float32]) -> tuple[slice, slice]:
-    """The square with the largest difference, mean square."""
     import cv2
 
     height, width = difference.shape

@@ -41,7 +41,6 @@ class Numbers:
         return self.real - self.z_after * self.sigma
 
     def chosen(self, keep: NDArray[np.bool_]) -> Numbers:
-        """Some of them; the gaps stay those of all."""
         return Numbers(
             self.statistic,
             self.stage,
@@ -109,7 +108,6 @@ def capture_gaps(diagnosis: Diagnosis) -> dict[str, tuple[float, float]]:
 
 
 def _measured(problem: Problem) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Values of the real frames and noise-floor units, number by number."""
     real = np.full(len(problem.labels), np.nan)
     sigma = np.ones(len(problem.labels))
     for evidence, slot in zip(problem.evidence, problem.slots, strict=True):

@@ -71,7 +71,6 @@ def overview(numbers: Mapping[str, Numbers], *, explained: bool, narrow: bool = 
 
 
 def _rows(numbers: Sequence[Numbers]) -> list[Numbers]:
-    """The largest, in the order of image formation."""
     largest = sorted(numbers, key=lambda n: -max(n.gap_before, n.gap_after))[:MOST]
     order: dict[str, int] = {stage: place for place, stage in enumerate(STAGES)}
     return sorted(largest, key=lambda n: (order.get(n.stage, 99), -n.gap_before))

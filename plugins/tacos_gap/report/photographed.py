@@ -97,7 +97,6 @@ def not_told(
 
 
 def effects_not_shown(captures: Sequence[RealCapture], effects: Mapping[str, type[Any]]) -> Iterator[Block]:
-    """What it takes to tell the effects these captures are blind to."""
     if lacking := untold(captures, effects):
         rows = [
             (remedy, ", ".join(words.effect_words(name) for name in names))

@@ -37,7 +37,6 @@ def share(value: float) -> str:
 
 
 def headline(diagnosis: Diagnosis) -> str:
-    """The finding in one sentence."""
     if diagnosis.verdict == "no_gap":
         return "No gap: the captures differ from the simulation by no more than its own noise."
     if not diagnosis.causes:
@@ -67,7 +66,6 @@ def headline(diagnosis: Diagnosis) -> str:
 
 
 def cause_sentence(cause: Cause) -> str:
-    """What a cause is, how sure, how large, and what it explains, in a sentence."""
     name = effect_words(cause.effect)
     said = [
         f"{_spoken(key, parameter)} {_row(key, parameter)[1]}{_unit_after(parameter)}"
@@ -130,7 +128,6 @@ def alternatives(diagnosis: Diagnosis) -> list[str]:
 
 
 def lead(diagnosis: Diagnosis, captures: int) -> str:
-    """The figures behind the headline."""
     count = f"{captures} captures differ from their" if captures != 1 else "One capture differs from its"
     if diagnosis.verdict == "no_gap":
         before = number(diagnosis.gap_before, 2)
@@ -197,7 +194,6 @@ def _row(name: str, parameter: Parameter | Physical) -> tuple[str, str, str, str
 
 
 def cannot_tell(diagnosis: Diagnosis) -> list[str]:
-    """What these captures cannot tell, in sentences."""
     said = []
     for cause in diagnosis.causes:
         if cause.confused_with:
@@ -234,13 +230,6 @@ def gathered(limitations: Sequence[str]) -> list[str]:
 
 
 def first_of(names: Sequence[str]) -> str:
-    """Names in a row, of many the first ones.
-
-    Examples
-    --------
-    >>> first_of("abcde"), first_of("abcdefg")
-    ('a, b, c, d and e', 'a, b, c, d and 3 more')
-    """
     many = len(names) > _NAMED
     return listed([*names[: _NAMED - 1], f"{len(names) - _NAMED + 1} more"] if many else names)
 
@@ -268,7 +257,6 @@ def of_this_camera(causes: Sequence[Cause]) -> str:
 
 
 def remainder(diagnosis: Diagnosis) -> str:
-    """What is left after the causes."""
     left = diagnosis.unknown
     chance = left.p_value
     text = f"What is left measures {number(diagnosis.gap_after, 3)} times the noise floor. "

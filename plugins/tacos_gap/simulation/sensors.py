@@ -97,7 +97,6 @@ def sensor_at(capture: RealCapture, kept: KeptNumbers | None = None) -> SensorAt
 
 
 def camera_of(capture: RealCapture) -> Camera:
-    """The camera of a capture, as large as its files."""
     geometry = capture.geometry
     pitch_um = geometry.pixel_um / geometry.binning
     return Camera(
@@ -165,7 +164,6 @@ def with_sensor(captures: Sequence[RealCapture], placed: PlacedSensor) -> tuple[
 
 
 def _misfits(sensor: SensorAt, capture: RealCapture, channels: int) -> list[Fault]:
-    """How a sensor does not fit a capture."""
     component: Any = sensor.sensor
     if callable(lacks := optional(component, SensorBase, "lacks")) and (
         reason := lacks(Rig((sensor.camera,)))

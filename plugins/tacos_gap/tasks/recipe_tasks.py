@@ -44,7 +44,6 @@ class RecipeTask:
         return f"{self.node} ({self.part.use})"
 
     def begin(self) -> Any:
-        """A scorer for one capture."""
         with self.part.calling(f"begin in node {self.node!r}"):
             return self.part.instance.begin(state=self.state)
 

@@ -124,7 +124,6 @@ def _on_capture(
 def _is_able(
     task: RecipeTask, capture: RealCapture, frames: NDArray[np.float32], why: dict[str, str]
 ) -> bool:
-    """True if a task can be scored on a capture."""
     lacks = optional(task.part.instance, TaskBase, "lacks")
     if callable(lacks) and (reason := lacks(Rig((camera_of(capture),)))):
         why[task.node] = f"of the captures' single camera {reason}"
@@ -144,7 +143,6 @@ def _is_able(
 def _scores(
     tasks: Sequence[RecipeTask], capture: RealCapture, frames_dn: NDArray[np.float32]
 ) -> dict[str, float]:
-    """Scores of all tasks on some frames, by ``node.score``."""
     found: dict[str, float] = {}
     batch = as_batch(capture, frames_dn)
     for task in tasks:

@@ -84,7 +84,6 @@ def side_view(
 
 
 def _surroundings(axes: Axes, stage: _Stage) -> None:
-    """The carrier of the camera, the ground and the horizon."""
     ahead, height_m = 0.98 * stage.carrier.ahead_m, stage.height_m
     stage.carrier.paint(axes, height_m)
     axes.plot([0], [height_m], "o", color=INK, markersize=4.5, zorder=5)

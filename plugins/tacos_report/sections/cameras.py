@@ -59,7 +59,6 @@ def blocks(study: StudyData) -> Iterator[Block]:
 
 
 def camera_table(study: StudyData) -> Table:
-    """Each camera: variables, derived quantities, the floor it sees, what was optimised for it."""
     return _table("Property", tuple(_properties(study)), "The cameras", study)
 
 

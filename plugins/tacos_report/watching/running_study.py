@@ -35,12 +35,10 @@ class RunningStudy:
 
     @property
     def tried(self) -> tuple[Tried, ...]:
-        """Every candidate so far, in order."""
         return tuple(candidate for generation in self.generations for candidate in generation.tried)
 
     @property
     def images(self) -> int:
-        """Images rendered for the search so far."""
         return sum(generation.frames for generation in self.generations)
 
     @property
@@ -83,7 +81,6 @@ def read_running(folder: Path) -> RunningStudy:
 
 
 def _result(path: Path) -> Mapping[str, Any]:
-    """Result of a finished run; nothing while it runs."""
     return read_run_json(path) if path.exists() else {}
 
 

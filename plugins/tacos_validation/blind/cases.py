@@ -22,7 +22,6 @@ class Case:
 
     @property
     def effects(self) -> tuple[str, ...]:
-        """Names of the withheld effects."""
         return tuple(each["effect"] for each in self.truth["withheld"])
 
     @property
@@ -41,7 +40,6 @@ class Case:
 
     @property
     def nuisance(self) -> str:
-        """Name of what else was off; empty for nothing."""
         return str(self.truth["specification"]["nuisance"])
 
     @property
@@ -50,7 +48,6 @@ class Case:
 
     @property
     def causes(self) -> tuple[str, ...]:
-        """Named effects, best first."""
         return tuple(cause["effect"] for cause in self.answer.get("causes", ()))
 
     @property
@@ -71,7 +68,6 @@ class Case:
 
     @property
     def cause_set(self) -> tuple[str, ...]:
-        """Effects among which the answer says the truth is."""
         return tuple(self.answer.get("cause_set", ()))
 
     @property

@@ -38,7 +38,6 @@ class KnownTruth:
 
     @classmethod
     def of(cls, data: Mapping[str, Any]) -> KnownTruth:
-        """From plain data; further keys, such as why it is known, are for people."""
         lists = {key: tuple(data[key]) for key in _LISTS if key in data}
         return cls(**lists, negligible=data.get("negligible", {}))
 
@@ -64,7 +63,6 @@ class Judgement:
 
 
 def judged(known: KnownTruth, answer: Mapping[str, Any]) -> Judgement:
-    """Hold an answer (``diagnosis.json``) against what is known."""
     if "error" in answer:
         return Judgement(NO_ANSWER, False)
     causes = [cause for cause in answer["causes"] if not _negligible(cause, known.negligible)]

@@ -15,7 +15,6 @@ from tacos_validation.blind.scoring import baselines, by_nuisance, ladder
 
 
 def page(cases: Sequence[Case], figures: Sequence[Figure], notes: Sequence[str]) -> Page:
-    """The page: confusion first, then the goals, the ladder, simpler ways, and every failure."""
     goals = [figure for figure in figures if figure.met is not None]
     met = sum(bool(figure.met) for figure in goals)
     sections = (

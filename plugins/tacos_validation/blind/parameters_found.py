@@ -63,7 +63,6 @@ class ParameterFound:
 
 
 def parameters_found(effect: str, true: Mapping[str, Any], cause: Mapping[str, Any]) -> list[ParameterFound]:
-    """Those parameters of a cause that can be compared with what was withheld."""
     if effect in OWN_SCALE or not true:
         return []
     found = cause["parameters"]

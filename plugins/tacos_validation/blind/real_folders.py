@@ -48,5 +48,4 @@ def real_folders(folder: Path, effects: Sequence[str]) -> list[RealCase]:
 
 
 def _copied(out: Path, source: Path) -> None:
-    """The captures as they are, without their truth."""
     shutil.copytree(source, out / CAPTURES, ignore=shutil.ignore_patterns("truth.json"))

@@ -84,7 +84,6 @@ class Worker:
     """Longest processor time for a job; past it there is no answer. None for any [s]."""
 
     def __call__(self, job: Diagnosing | FreshGaps) -> dict[str, Any]:
-        """The job's outcome, or the error as text."""
         try:
             with time_limit(self.limit_s):
                 return job.work(self.effects)

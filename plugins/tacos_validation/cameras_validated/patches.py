@@ -29,14 +29,12 @@ class CameraPatch:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The effects, without their kind."""
         return tuple(effect.use.removeprefix("effect.") for effect in self.effects)
 
 
 def diagnosed_patch(
     folder: CaptureFolder, considered: Candidates, seed: int, workers: int, notify: Notify
 ) -> CameraPatch:
-    """The causes that a diagnosis finds, with the parameters of this camera."""
     found = diagnose(folder, considered, seed=seed, workers=workers, notify=notify)
     effects = tuple(placed(found.attribution.best.hypothesis))
     text = patched(found.causes, Photographed.of(folder.captures))

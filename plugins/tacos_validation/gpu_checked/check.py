@@ -75,7 +75,6 @@ class CheckGpu:
         return make_plan(study_recipe(self.config.recipe, {}, key="recipe"), plugins)
 
     def _timed(self, plan: Plan, values: dict[str, Any], executor: Executor) -> dict[str, Any]:
-        """Candidates an hour, and where the time of the workers went."""
         evaluate, seed = Evaluator(plan), plan.recipe.seed
         states = evaluate.simulation.initial_states()
         episodes = tuple(EpisodeSpec(seed, ("gpu-check", i)) for i in range(plan.recipe.study.episodes))

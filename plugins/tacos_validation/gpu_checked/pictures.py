@@ -66,7 +66,6 @@ def taken_on(device: str, recipe: Recipe, values: dict[str, Any], frames: int) -
 
 
 def difference(one: Pictures, other: Pictures) -> Difference:
-    """Difference of the pictures of two devices."""
     same = one.object_id == other.object_id
     with np.errstate(invalid="ignore"):  # infinity less infinity
         apart = np.abs(one.depth_m - other.depth_m) > 1e-3 * np.minimum(one.depth_m, other.depth_m)

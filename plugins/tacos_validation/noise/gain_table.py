@@ -30,7 +30,6 @@ class MeasuredCamera:
         return len(self.gains)
 
     def without_gain(self, gain: float) -> MeasuredCamera:
-        """All measurements at other gains."""
         kept = self.gains != gain
         return MeasuredCamera(self.name, self.gains[kept], self.slopes[kept], self.intercepts[kept])
 

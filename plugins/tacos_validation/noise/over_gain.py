@@ -107,7 +107,6 @@ class NoiseOverGainCheck:
 
 
 def left_out_gains(camera: MeasuredCamera) -> Iterator[LeftOut]:
-    """Each setting of a camera beside what its other gains predict."""
     usable = camera.slopes > 0
     camera = MeasuredCamera(
         camera.name, camera.gains[usable], camera.slopes[usable], camera.intercepts[usable]

@@ -182,7 +182,6 @@ class _Departures:
         self._weights = cho_solve(self._factor, departures)
 
     def at(self, stop: float) -> tuple[float, float]:
-        """Mean and standard deviation of a measurement there."""
         prior = self._prior
         to_known = prior.covariance(np.array([stop]), self._stops)[0]
         explained = to_known @ cho_solve(self._factor, to_known)

@@ -168,7 +168,6 @@ def _thought_ms(runs: Sequence[Run]) -> float:
 
 
 def _early_stops(runs: Sequence[Run], target: str, rounds: int) -> list[str]:
-    """Remark on runs that did not go on as long as the others."""
     early = sorted({f"{run.optimizer_name}: {run.stopped}" for run in runs if run.stopped != BUDGET_SPENT})
     notes = [f"Not all runs spent their budget. {each}." for each in early]
     short = sum(run.optimizer_name == target and run.after_rounds is None for run in runs)

@@ -109,7 +109,6 @@ class Run:
         return Stand(0, self.search.images, next(iter(self.search.most_promising(1)), None))
 
     def _see(self, before: int, evaluations: Iterable[Evaluation]) -> None:
-        """Take in a round, candidate by candidate."""
         spent, best = before, max(map(_mean, self._fitness.values()), default=float("-inf"))
         for evaluation in evaluations:
             self.candidates += 1

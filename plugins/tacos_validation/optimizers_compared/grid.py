@@ -103,7 +103,6 @@ def coarse_grid(space: DesignSpace, steps: Mapping[str, float]) -> Iterator[Cand
 
 
 def count_coarse(space: DesignSpace, steps: Mapping[str, float]) -> int:
-    """Number of candidates of `coarse_grid`."""
     return math.prod(len(_coarse_values(variable, steps)) for variable in space.variables)
 
 

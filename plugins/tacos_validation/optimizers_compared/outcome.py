@@ -46,7 +46,6 @@ class Comparison:
 
 
 def curves_csv(comparison: Comparison) -> str:
-    """A row for each run and checkpoint; fields are empty while a run recommends nothing."""
     rows = []
     for runs in comparison.runs.values():
         for run in runs:
@@ -57,7 +56,6 @@ def curves_csv(comparison: Comparison) -> str:
 
 
 def standings_csv(comparison: Comparison) -> str:
-    """A row for each optimizer and checkpoint."""
     heads = ("regret_low", "regret_median", "regret_high", "images_to_target", "reached")
     rows = []
     for each in comparison.standings:

@@ -23,7 +23,6 @@ class Contenders:
 
     @property
     def problem(self) -> Plan:
-        """The plan of any of them."""
         return next(iter(self.plans.values()))
 
 
@@ -60,7 +59,6 @@ def contenders_of(config: CompareOptimizersConfig, plugins: Plugins) -> Contende
 
 
 def held_out_scenes(asked: HeldOut) -> list[EpisodeSpec]:
-    """The scenes that no optimizer sees."""
     return [EpisodeSpec(asked.seed, ("held out", i), asked.frames) for i in range(asked.episodes)]
 
 

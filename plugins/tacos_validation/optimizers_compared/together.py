@@ -76,7 +76,6 @@ class FilledTogether:
                 self._changed.notify_all()
 
     def _all_that_is_wanted(self) -> list[Wanted]:
-        """Scores that the members want, once all wait; none if no member will want any more."""
         with self._changed:
             self._changed.wait_for(lambda: self._is_given_up or self._waiting == self._members)
             if self._is_given_up:

@@ -51,7 +51,6 @@ class RankAgreement:
         return leave(out, page(outcome), outcome.as_data(), summary(outcome), table=table_csv(outcome))
 
     def _plans(self, plugins: Plugins) -> dict[tuple[str, str], Plan]:
-        """The study in each light and size, checked; all faults at once."""
         plans: dict[tuple[str, str], Plan] = {}
         faults = FaultsTogether()
         for light, keys in self.config.lights.items():

@@ -94,7 +94,6 @@ class CompareStudies:
         return leave(out, page(compared), compared.as_data(), summary(compared), studies=table_csv(outcomes))
 
     def _studies(self, plugins: Plugins) -> Iterator[tuple[str, int, Recipe]]:
-        """Every variant with every seed, checked; twins follow one another."""
         faults = FaultsTogether()
         for number, seed in enumerate(self.config.seeds):
             for name, changes in self.config.variants.items():
@@ -113,7 +112,6 @@ class CompareStudies:
 
 
 def _with_design(result: Mapping[str, Any], out: Path) -> Mapping[str, Any]:
-    """The result, if its design was tested."""
     if DESIGNED not in result["test"]:
         what = f"the study ended without a design that was tested: {result['stopped']}"
         raise UserError(Fault(str(out), what))

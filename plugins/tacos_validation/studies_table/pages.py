@@ -101,7 +101,6 @@ def summary(outcome: TableOutcome) -> str:
 
 
 def table_csv(outcome: TableOutcome) -> str:
-    """The table for other programs: a line per row and column."""
     rows = []
     for row in outcome.rows:
         for column, cell in zip(outcome.config.columns, row.cells, strict=True):

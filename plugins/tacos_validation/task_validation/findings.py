@@ -84,7 +84,6 @@ class ValidationFindings:
         return np.argsort(-self.scores(taken)[setting].mean(axis=(0, 2)), kind="stable").tolist()
 
     def same_order(self, setting: int) -> bool:
-        """True if both come to one order of the cameras."""
         return self.order(self.simulated, setting) == self.order(self.reference, setting)
 
     def nearest(self, setting: int) -> tuple[int, int, float]:

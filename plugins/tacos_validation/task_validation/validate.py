@@ -118,7 +118,6 @@ class ValidateTask:
         )
 
     def _check_task(self, episode: Episode, plugins: Plugins) -> None:
-        """Refuse what would waste hours of rendering."""
         faults = []
         task = plugins.resolve(self.config.task.use, "task", where="task")
         if self.config.score not in task.scores:

@@ -46,7 +46,6 @@ class Floor:
 
     @property
     def area_m2(self) -> float:
-        """Extent of the places [m2]."""
         return len(self.points_m) * self.cell_m**2
 
     def kept(self, chosen: NDArray[np.bool_] | NDArray[np.intp]) -> Floor:

@@ -200,7 +200,6 @@ def _of_obstacles(config: ImportedSettings, objects: Sequence[Object]) -> Iterat
 def _objects(
     labels: Sequence[Label], obstacles: Sequence[str]
 ) -> tuple[tuple[Object, ...], list[int], tuple[str, ...]]:
-    """Objects, the id of each surface, and the classes."""
     things: dict[str, str] = {}
     for label in labels:
         if label.thing:

@@ -22,7 +22,6 @@ _CONVERT = {
 
 
 def faults_of_files(file: str, labels: str, sky: str, path: str) -> Iterator[Fault]:
-    """A fault for each file that is not there, or of a kind that is not read."""
     for name, value, suffixes in (
         ("file", file, WORLD),
         ("labels", labels, TABLE),

@@ -82,7 +82,6 @@ def far_origin_m(model: Model, turn: NDArray[np.float64]) -> NDArray[np.float64]
 
 
 def _moved(model: Model, origin: NDArray[np.float64]) -> Model:
-    """The model with an origin taken off all positions, in the axes and unit of the file."""
     if not origin.any():
         return model
     return replace(
@@ -93,7 +92,6 @@ def _moved(model: Model, origin: NDArray[np.float64]) -> Model:
 
 
 def _bounds(model: Model, turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Lowest and highest corner of all surfaces, in metres with z up [m]."""
     corners = [s.vertices @ turn.T for s in model.surfaces if len(s.vertices)]
     lower = np.min([each.min(axis=0) for each in corners], axis=0)
     upper = np.max([each.max(axis=0) for each in corners], axis=0)

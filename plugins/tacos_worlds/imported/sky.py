@@ -122,7 +122,6 @@ def _turned(light: Light, turn_deg: float) -> Light:
 
 
 def _decoded(file: Path) -> NDArray[np.float32]:
-    """(H, W, 3) linear values."""
     data = file_bytes(file)
     if file.suffix.lower() == ".exr":
         return _decoded_exr(file)

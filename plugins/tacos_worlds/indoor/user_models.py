@@ -119,7 +119,6 @@ def _parts(model: Model, where: str, images: dict[int, NDArray[np.uint8]]) -> li
 
 
 def _unused(model: Model) -> Iterator[str]:
-    """What of a model's looks a piece of furniture does not have."""
     skins = [model.skins[surface.skin] for surface in model.surfaces]
     if any(skin.normal_map is not None for skin in skins):
         yield "normal maps of furniture are not drawn: surfaces are smooth"

@@ -159,7 +159,6 @@ class Style:
 
 
 def draw_style(rng: np.random.Generator, *, wet: bool = False) -> Style:
-    """A style for a dry room, or for a bathroom where `wet`."""
     stains = rng.permutation(len(_STAINS))
     wood = [Finish("board", _STAINS[stain], variant=int(stain) % 2, roughness=0.55) for stain in stains]
     cloth_name = str(rng.choice(["weave", "weave", "knit", "leather", "linen"]))

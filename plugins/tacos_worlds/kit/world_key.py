@@ -22,5 +22,4 @@ def world_key(name: str, world: World, *settled_later: float) -> str:
 
 
 def _plain(value: Any) -> tuple[Any, ...]:
-    """The fields of a part, material, object or light."""
     return tuple(getattr(value, each.name) for each in fields(value))

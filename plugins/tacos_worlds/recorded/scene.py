@@ -129,7 +129,6 @@ class RecordedScene:
         )
 
     def _stretches(self) -> int:
-        """Number of stretches without common frames."""
         recorded = len(self._frames.stamp_s)
         if recorded < self.config.frames:
             what = f"has {recorded} frames of {self._frames.name} ms"

@@ -37,7 +37,6 @@ class Town:
 
     @property
     def extent(self) -> Rect:
-        """From end to end of the streets."""
         return Rect(
             self.street_x_m[0] - self.reach_m,
             self.street_y_m[0] - self.reach_m,
@@ -102,7 +101,6 @@ class Kerb:
         return x + cos * along_m - sin * left_m, y + sin * along_m + cos * left_m
 
     def place(self, piece: Piece, along_m: float, left_m: float, z_m: float = 0.0) -> Piece:
-        """A piece at a place of this frame, turned with it."""
         x, y = self.point(along_m, left_m)
         return piece.turned(self.heading * math.pi / 2).moved(x, y, z_m)
 

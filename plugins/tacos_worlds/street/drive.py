@@ -89,7 +89,6 @@ def _in_lane(middle_m: NDArray[np.float64], heading: int) -> NDArray[np.float64]
 
 
 def _through(crossing_m: NDArray[np.float64], heading: int, following: int) -> NDArray[np.float64]:
-    """(N, 2) points of the way through a crossing."""
     if following == heading:
         return _in_lane(crossing_m, heading)[None]
     ahead, after = np.array(_HEADINGS[heading]), np.array(_HEADINGS[following])

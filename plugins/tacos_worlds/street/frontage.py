@@ -31,7 +31,6 @@ class _Side:
 def row(
     rng: np.random.Generator, side: _Side, *, detailed: bool, tall_share: float, dark: bool
 ) -> list[Piece]:
-    """Buildings side by side from one end to the other."""
     count = max(1, round(side.length_m / float(rng.uniform(13.0, 17.0))))
     share = rng.uniform(*_LOT_M, count)
     widths = share / share.sum() * side.length_m

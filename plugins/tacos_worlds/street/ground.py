@@ -68,7 +68,6 @@ def roads(town: Town) -> list[Piece]:
 
 
 def _markings(crossings_m: tuple[float, ...], ends_m: tuple[float, float]) -> Iterator[Mesh]:
-    """The paint of a street along x whose middle is y = 0."""
     ends = (ends_m[0], *crossings_m, ends_m[1])
     for number, (low, high) in enumerate(pairwise(ends)):
         clear = [low, high]
@@ -92,7 +91,6 @@ def _markings(crossings_m: tuple[float, ...], ends_m: tuple[float, float]) -> It
 
 
 def pavement(block: Rect) -> Piece:
-    """The pavement around a block and its kerb."""
     outer = rounded(block, CORNER_M)
     inner = rounded(block.grown(-_KERB_WIDTH_M), CORNER_M - _KERB_WIDTH_M)
     stones = merged([upright(outer, (0.0, KERB_M), closed=True), _ring(outer, inner)])
@@ -100,7 +98,6 @@ def pavement(block: Rect) -> Piece:
 
 
 def _walk(block: Rect) -> Mesh:
-    """The slabs between the kerb and the building line."""
     k, z = _KERB_WIDTH_M, KERB_M
     line, c = building_line(block), PAVEMENT_M
     strips = [

@@ -102,7 +102,6 @@ def furnish_town(
 
 
 def triangles_of(placed: Sequence[PlacedPiece]) -> int:
-    """Triangles of all pieces."""
     return sum(len(mesh.triangles) for thing in placed for mesh, _ in thing.piece.parts)
 
 
@@ -112,7 +111,6 @@ def _middle(kerb: Kerb) -> np.ndarray:
 
 
 def _park(rng: np.random.Generator, block: Rect) -> list[Piece]:
-    """Trees, shrubs and benches on a lawn."""
     line, pieces = building_line(block), []
     columns, rows = (max(2, round(edge / 16.0)) for edge in line.size)
     for i in range(columns):

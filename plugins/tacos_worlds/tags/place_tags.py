@@ -101,7 +101,6 @@ def _sheet(place: Place, edge_m: float, material: int, object_id: int) -> MeshPa
 
 
 def _printed(family: str, number: int, sheet_m: float) -> Material:
-    """White paper with a marker, matt."""
     dictionary, cells = dictionary_of(family), cells_of(family)
     marker = cv2.aruco.generateImageMarker(dictionary, number, cells)
     paper = np.pad(marker, 1, constant_values=255)

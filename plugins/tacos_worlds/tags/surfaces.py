@@ -30,7 +30,6 @@ class Surface:
 
     @classmethod
     def of(cls, world: World) -> Surface:
-        """All triangles of a world that stand still."""
         still = [
             (number, part)
             for number, part in enumerate(world.parts)

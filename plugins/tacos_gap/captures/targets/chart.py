@@ -50,7 +50,6 @@ def reference_colours() -> NDArray[np.float64]:
 
 
 def find_chart(rgb: NDArray[np.floating]) -> FoundChart | None:
-    """The ColorChecker that a picture of (H, W, 3) values above the pedestal shows; None without one."""
     lattice = find_lattice(rgb)
     return None if lattice is None else read_as_chart(lattice, reference_colours())  # slow to import
 

@@ -60,7 +60,6 @@ class EvenBlur:
 
     @property
     def transfer(self) -> Transfer:
-        """Its transfer function."""
         if self.family == "gaussian":
             return gaussian_transfer(self.size_px)
         if self.family == "disc":

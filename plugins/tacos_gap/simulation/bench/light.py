@@ -36,7 +36,6 @@ def without_world(camera: Camera, luminance_cd_m2: NDArray[np.float32]) -> Captu
 
 
 def dimmed(light: Capture, factor: float) -> Capture:
-    """The light times a factor."""
     views = [replace(v, luminance_cd_m2=v.luminance_cd_m2 * np.float32(factor)) for v in light.views]
     return replace(light, views=tuple(views))
 

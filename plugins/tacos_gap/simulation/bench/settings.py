@@ -63,7 +63,6 @@ class BenchCapture(Settings):
         return self
 
     def shots(self) -> Iterator[BenchShot]:
-        """The captures of the series."""
         times = self.exposure_ms if isinstance(self.exposure_ms, tuple) else (self.exposure_ms,)
         levels = self.level if isinstance(self.level, tuple) else (self.level,)
         for time_ms in times:

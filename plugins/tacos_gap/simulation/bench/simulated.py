@@ -104,7 +104,6 @@ class CaptureBench:
         )
 
     def expected(self, shot: BenchShot) -> Expected:
-        """What the simulator without the effects expects."""
         light = self._light(shot)
         sensor = self._sensor_at(self._exposure(shot))
         black, white = float(sensor.sensor.black_level_dn), float(sensor.sensor.white_level_dn)

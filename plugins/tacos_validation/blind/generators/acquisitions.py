@@ -90,7 +90,6 @@ def picture_series(
 
 
 def edge(camera: IdealCamera, rng: np.random.Generator) -> Acquisition:
-    """Straight edges all over the field."""
     return Acquisition("edge_0", "edge", (IdealShot(camera, flat_scenes.edges(camera, rng), 10.0),), 4)
 
 
@@ -112,7 +111,6 @@ def chart(camera: IdealCamera, rng: np.random.Generator) -> Acquisition:
 def scenes(
     camera: IdealCamera, rng: np.random.Generator, count: int, frames: int = 3
 ) -> Iterator[Acquisition]:
-    """Natural scenes at different distances and exposures."""
     for i in range(count):
         look = flat_scenes.natural(camera, rng, mean=float(rng.uniform(0.25, 0.5)))
         shot = IdealShot(camera, look, (10.0, 20.0, 5.0, 40.0)[i % 4], depth_m=(2.0, 1.2, 4.0, 0.8)[i % 4])

@@ -35,7 +35,6 @@ class IdealCamera:
 
     @property
     def range_dn(self) -> float:
-        """From pedestal to full scale [DN]."""
         return self.white_dn - self.black_dn
 
     def grid(self, pad: int = 0) -> tuple[Image, Image]:

@@ -37,7 +37,6 @@ class CaptureNuisance:
 
     @property
     def effects(self) -> tuple[InjectedEffect, ...]:
-        """Effects that this capture has beside those of the camera."""
         return (InjectedDefocus(self.defocus_px),) if self.defocus_px else ()
 
     @property

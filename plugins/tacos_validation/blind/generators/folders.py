@@ -122,7 +122,6 @@ def _simulated(
 
 
 def _write_frame(path: Path, frame: Image, quality: int | None) -> None:
-    """PNG, or JPEG of a quality."""
     pixels = frame.astype(np.uint8)
     image = Pillow.fromarray(pixels[..., 0] if pixels.shape[2] == 1 else pixels)
     if quality is None:

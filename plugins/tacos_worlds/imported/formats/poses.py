@@ -93,7 +93,6 @@ def read_poses(file: Path) -> RecordedPath:
 
 
 def _text(content: bytes) -> str:
-    """The text of a file in UTF-8, or in what its first bytes say."""
     utf_16 = content.startswith((b"\xff\xfe", b"\xfe\xff"))
     return content.decode("utf-16" if utf_16 else "utf-8-sig", "replace")
 

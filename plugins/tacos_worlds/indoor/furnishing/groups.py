@@ -140,6 +140,5 @@ def table_with_chairs(rng: np.random.Generator, make: Make, style: Style) -> Arr
 def rug(
     rng: np.random.Generator, style: Style, width_m: float, depth_m: float, *, y_m: float = 0.0
 ) -> Member:
-    """A rug, which furniture may stand on."""
     mat = box((width_m, depth_m, 0.009), bevel_m=0.004).with_uv_offset(*rng.uniform(0, 1, 2))
     return member(piece(BACKGROUND, [(mat, style.rug)]), 0, y_m, blocks=False)

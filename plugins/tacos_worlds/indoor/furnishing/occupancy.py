@@ -143,7 +143,6 @@ class RoomFloor:
         return self.clear.contains(rect) and not any(rect.overlaps(other, _GAP_M) for other in self._rugs)
 
     def filled(self) -> float:
-        """Share of the floor that furniture takes [1]."""
         return sum(rect.size[0] * rect.size[1] for rect in self.taken) / self.area_m2()
 
     def area_m2(self) -> float:

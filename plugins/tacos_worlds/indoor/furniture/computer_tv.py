@@ -68,5 +68,4 @@ def _laptop(picture: Finish, *, width: float) -> Piece:
 
 
 def _screen(width: float, height: float, *, y: float, z: float) -> Mesh:
-    """A flat panel that faces +y."""
     return panel([width / 2, y, z], [-width, 0, 0], [0, 0, height], step_m=1.0)

@@ -19,7 +19,6 @@ _CLEARANCE_M = 0.004
 
 
 def floor_lamp(rng: np.random.Generator, style: Style) -> Piece:
-    """A lamp of about 1.6 m: a foot, a pole, a shade."""
     height, radius = rng.uniform(1.45, 1.7), rng.uniform(0.17, 0.22)
     foot = [(0.14, 0), (0.14, 0.015), (0.05, 0.03), (0.012, 0.05)]
     pole = tube([[0, 0, 0.02], [0, 0, height - 0.1]], 0.011, sides=6)
@@ -27,7 +26,6 @@ def floor_lamp(rng: np.random.Generator, style: Style) -> Piece:
 
 
 def table_lamp(rng: np.random.Generator, style: Style) -> Piece:
-    """A lamp of about 0.5 m with a turned base."""
     height, radius = rng.uniform(0.42, 0.55), rng.uniform(0.12, 0.15)
     neck = height - radius
     base = [

@@ -23,7 +23,6 @@ def floor_plant(rng: np.random.Generator, style: Style) -> Piece:
 
 
 def small_plant(rng: np.random.Generator, style: Style) -> Piece:
-    """A plant for a table or a sill."""
     return _plant(rng, height=rng.uniform(0.22, 0.36), pot=rng.uniform(0.06, 0.08), leaves=11)
 
 

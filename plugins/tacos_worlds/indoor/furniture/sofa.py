@@ -18,7 +18,6 @@ def sofa(rng: np.random.Generator, style: Style) -> Piece:
 
 
 def armchair(rng: np.random.Generator, style: Style) -> Piece:
-    """An armchair, built as a sofa of one seat."""
     return _seat_row(rng, style, seats=1)
 
 

@@ -26,7 +26,6 @@ _PAPER = Finish("linen", (0.8, 0.76, 0.66), roughness=0.95)
 
 
 def bookshelf(rng: np.random.Generator, style: Style) -> Piece:
-    """Shelves with books, gaps and a few boxes and vases."""
     width, depth, height = rng.uniform(0.8, 1.2), rng.uniform(0.28, 0.34), float(rng.choice([1.1, 1.8, 2.0]))
     board = 0.022
     shelves = max(3, round(height / 0.36))

@@ -30,7 +30,6 @@ class OpenLeaf:
 
 
 def threshold(rng: np.random.Generator, door: Door) -> Piece:
-    """The gold-coloured threshold on the floor of a doorway."""
     depth, height = WALL_M + rng.uniform(0.05, 0.10), rng.uniform(0.03, 0.045)
     sill = box((door.width_m - 0.002, depth, height), bevel_m=0.012)
     return _in_doorway(Piece("threshold", ((sill, GOLD),)), door)

@@ -52,7 +52,6 @@ def shell(
 
 
 def _skirting(side: Side, passages: list[Opening]) -> list[Mesh]:
-    """Boards along the foot of a wall, between its doors' casings."""
     ends = [0.0]
     for hole in sorted(passages, key=lambda h: h.low_m):
         ends += [hole.low_m - 0.045, hole.high_m + 0.045]

@@ -29,7 +29,6 @@ class Window:
 
 
 def draw_windows(rng: np.random.Generator, side: Side, ceiling_height_m: float, *, wet: bool) -> list[Window]:
-    """No, one or two windows for an outer side."""
     if not side.outer or rng.uniform() < 0.15:
         return []
     count = 1 if wet or side.length_m < 6.5 or rng.uniform() < 0.4 else 2
@@ -51,7 +50,6 @@ def draw_windows(rng: np.random.Generator, side: Side, ceiling_height_m: float, 
 
 
 def window(rng: np.random.Generator, side: Side, drawn: Window, style: Style) -> Piece:
-    """Frame, pane, sill and curtains of one window."""
     hole = drawn.opening
     width, height = hole.high_m - hole.low_m, hole.head_m - hole.sill_m
     low, sill, head = hole.low_m, hole.sill_m, hole.head_m

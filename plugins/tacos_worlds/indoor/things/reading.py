@@ -80,6 +80,5 @@ def alarm_clock(rng: np.random.Generator, style: Style) -> Piece:
 
 
 def _lines(width: float, length: float, columns: tuple[float, ...], high: float) -> Mesh:
-    """Lines of print."""
     rows = np.linspace(-length / 2, length / 2, 9)
     return merged([slab((width, 0.006, 0.0008), (x, float(y), high)) for x in columns for y in rows])

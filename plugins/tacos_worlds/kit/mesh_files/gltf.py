@@ -77,7 +77,6 @@ class _Reader:
     def _walk(
         self, index: object, above: NDArray[np.float64], path: tuple[str, ...], extras: Mapping[str, Any]
     ) -> Iterator[Surface]:
-        """All surfaces of a node and of those below it."""
         if len(path) > _DEEPEST:
             raise Damaged(f"its nodes lie more than {_DEEPEST} deep in one another")
         node = self._buffers.entry("nodes", index)

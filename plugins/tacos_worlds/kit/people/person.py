@@ -88,7 +88,6 @@ def draw_person(
 
 
 def person(build: Build, pose: Pose, clothes: Clothes) -> Piece:
-    """A dressed body in a pose."""
     at = joints_of(pose, build.height_m)
     skirt = clothes.skirt and not pose.seated
     trunk = _COAT if clothes.coat and not pose.seated else _TRUNK
@@ -174,7 +173,6 @@ def _legs(build: Build, at: Joints) -> list[Mesh]:
 
 
 def _arms(build: Build, at: Joints) -> tuple[list[Mesh], list[Mesh]]:
-    """Upper arms down to the elbow, and forearms."""
     h, g = build.height_m, build.girth
     upper, lower = [], []
     for shoulder, elbow, wrist in zip(at.shoulder, at.elbow, at.wrist, strict=True):
@@ -214,7 +212,6 @@ def _shoes(build: Build, at: Joints, pose: Pose) -> list[Mesh]:
 
 
 def _limb(start: Floats, joint: Floats, end: Floats, radii: Floats, *, sides: int) -> Mesh:
-    """A leg, bent round at its joint."""
     near = [joint + 0.12 * (other - joint) for other in (start, end)]
     path = [start, (start + joint) / 2, near[0], near[1], joint + 0.35 * (end - joint), end]
     return _tube(path, radii, sides=sides)

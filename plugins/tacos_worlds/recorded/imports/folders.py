@@ -79,7 +79,6 @@ def _euroc(camera: Path) -> Iterator[FoundFrame]:
 
 
 def _euroc_camera(camera: Path) -> str:
-    """The calibration of EuRoC as Kalibr writes one."""
     file = camera / "sensor.yaml"
     if not file.is_file():
         return ""

@@ -134,7 +134,6 @@ def _darker(colour: Colour, factor: float) -> Colour:
 def _display(
     rng: np.random.Generator, canvas: Canvas, u: tuple[float, float], v: tuple[float, float]
 ) -> None:
-    """Goods in a shop window."""
     for _ in range(int(rng.integers(7, 14))):
         width, height = rng.uniform(0.04, 0.14), rng.uniform(0.12, 0.6)
         left, low = rng.uniform(u[0], u[1] - width), rng.uniform(v[0], v[1] - height)

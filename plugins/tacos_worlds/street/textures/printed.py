@@ -108,7 +108,6 @@ def number_plate(rng: np.random.Generator, size: int) -> Texture:
 
 
 def _spot(rng: np.random.Generator, size: int) -> Callable[[NDArray[np.uint8]], object]:
-    """Paints a disc or a bar anywhere."""
     (x, y), (x1, y1) = rng.integers(0, size, (2, 2)).tolist()
     radius = int(rng.integers(size // 16, size // 4))
     if rng.uniform() < 0.5:

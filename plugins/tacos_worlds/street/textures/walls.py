@@ -47,7 +47,6 @@ class Canvas:
 
 
 def brick(rng: np.random.Generator, size: int) -> Canvas:
-    """Bricks in running bond."""
     columns, rows = 12 * CELLS, 40 * CELLS
     v = np.arange(size)[:, None] / size * rows
     u = (np.arange(size)[None, :] / size * columns + 0.5 * (np.floor(v) % 2)) % columns

@@ -23,7 +23,6 @@ class WindowStyle:
 
 
 def draw_window_style(rng: np.random.Generator, wall: str) -> WindowStyle:
-    """Windows that suit a wall."""
     wide = wall == "concrete"
     return WindowStyle(
         width=float(rng.uniform(0.6, 0.86) if wide else rng.uniform(0.32, 0.46)),
@@ -64,7 +63,6 @@ def glass(rng: np.random.Generator, canvas: Canvas, u: tuple[float, float], v: t
 
 
 def window(rng: np.random.Generator, canvas: Canvas, style: WindowStyle, bay: int, floor: int) -> None:
-    """One window in its cell."""
     middle = bay + 0.5
     u = (middle - style.width / 2, middle + style.width / 2)
     v = (floor + style.sill, floor + style.sill + style.height)

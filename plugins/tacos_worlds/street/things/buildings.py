@@ -56,7 +56,6 @@ class House:
 
     @property
     def eaves_m(self) -> float:
-        """Height of the walls [m]."""
         return GROUND_FLOOR_M + self.floors * self.floor_m
 
 
@@ -265,7 +264,6 @@ def _ornaments(rng: np.random.Generator, house: House, open_left: bool, open_rig
 
 
 def _on_roof(rng: np.random.Generator, w: float, d: float, z: float) -> Iterator[Mesh]:
-    """Lift heads and ventilation."""
     for _ in range(int(rng.integers(1, 4))):
         size = (float(rng.uniform(1.0, 3.0)), float(rng.uniform(1.0, 2.5)), float(rng.uniform(0.8, 2.6)))
         yield slab(size, (float(rng.uniform(2, w - 2)), float(rng.uniform(d / 2, d - 2)), z))

@@ -52,7 +52,6 @@ def _stairs(y: float, top: float) -> list[Mesh]:
 
 
 def _railing(start: np.ndarray, end: np.ndarray) -> list[Mesh]:
-    """Two rails on posts along a line, level or sloping."""
     up = np.array([0.0, 0, 1])
     rails = [tube([start + up * z, end + up * z], 0.03, sides=4) for z in (_RAIL_M, 0.55 * _RAIL_M)]
     count = max(2, round(float(np.linalg.norm(end - start)) / 1.3))

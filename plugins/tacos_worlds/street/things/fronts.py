@@ -75,7 +75,6 @@ def balconies(bays: int, width_m: float, ground_m: float, floors: int, floor_m: 
 
 
 def awnings(rng: np.random.Generator, width_m: float) -> Parts:
-    """Sloping canvas over the windows of the shops."""
     colour = _CANVAS[int(rng.integers(len(_CANVAS)))]
     pieces = []
     for x in np.arange(0.4, width_m - 3.0, 6.4):
@@ -91,7 +90,6 @@ def awnings(rng: np.random.Generator, width_m: float) -> Parts:
 def dormers(
     rng: np.random.Generator, width_m: float, depth_m: float, eaves_m: float, finish: Finish
 ) -> Parts:
-    """Small roofed windows in a tiled roof."""
     rise = 0.38 * depth_m / (depth_m / 2)
     faces: list[Mesh] = []
     roofs: list[Mesh] = []

@@ -41,7 +41,6 @@ _LAMP_K = 3000.0
 
 
 def lamp_post(rng: np.random.Generator, *, lit: bool = False) -> Piece:
-    """A street lamp, its head over the road."""
     height, reach = float(rng.uniform(7.0, 7.6)), 1.7
     pole = tube([(0, 0, 0), (0, 0, 1.2), (0, 0, height - 0.3)], [0.10, 0.07, 0.05], sides=4)
     arm = tube([(0, 0, height - 0.3), (0, 0.5, height), (0, reach, height + 0.08)], 0.035, sides=3)
@@ -168,7 +167,6 @@ def planter(rng: np.random.Generator) -> Piece:
 
 
 def shelter(rng: np.random.Generator) -> Piece:
-    """A bus shelter with a poster at its end."""
     roof = slab((4.2, 1.6, 0.12), (0, 0, 2.45))
     posts = [
         slab((0.08, 0.08, 2.45), (x, y, 0)) for x in (-2.0, 0.0, 2.0) for y in (-0.7, 0.55) if x or y < 0
@@ -184,7 +182,6 @@ def shelter(rng: np.random.Generator) -> Piece:
 
 
 def advertisement(rng: np.random.Generator) -> Piece:
-    """A column with posters."""
     poster = Finish("poster", variant=int(rng.integers(POSTER_VARIANTS)), roughness=0.95)
     column = disc_stack([(0.62, 0.35), (0.62, 2.6)], sides=10)
     around = np.arctan2(column.vertices_m[:, 1], column.vertices_m[:, 0]) / (2 * np.pi) * 3

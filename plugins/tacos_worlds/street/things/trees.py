@@ -78,7 +78,6 @@ def draw_tree(rng: np.random.Generator, *, far: bool = False) -> Piece:
 
 
 def shrub(rng: np.random.Generator, width_m: float) -> Piece:
-    """A lump of leaves on the ground."""
     radius = width_m / 2
     leaves = Finish("leaves", _GREENS[int(rng.integers(len(_GREENS)))], roughness=0.95)
     return Piece("vegetation", ((_foliage(rng, np.array([0, 0, 0.6 * radius]), radius, 30), leaves),))

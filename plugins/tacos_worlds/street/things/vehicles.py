@@ -156,7 +156,6 @@ def _facing_front(x: float, y: float, z: float, width_m: float, height_m: float)
 
 
 def _facing_back(x: float, y: float, z: float, width_m: float, height_m: float) -> Mesh:
-    """A plate that faces backward."""
     return panel((x, y + width_m / 2, z), (0, -width_m, 0), (0, 0, height_m), u=(0, 1), v=(0.38, 0.62))
 
 
@@ -169,7 +168,6 @@ def _cap(ring: NDArray[np.float64]) -> Mesh:
 
 
 def _pillar(low_m: tuple[float, ...], high_m: tuple[float, ...], side: int) -> Mesh:
-    """A strip along the edge of the glass."""
     low, high, half = np.array(low_m), np.array(high_m), np.array([0.045, 0, 0])
     corners = np.array([low - half, low + half, high + half, high - half])
     return shaded(corners[::-1] if side > 0 else corners, [[0, 1, 2], [0, 2, 3]])

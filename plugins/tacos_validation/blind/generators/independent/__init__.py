@@ -115,7 +115,6 @@ VARIANTS: Mapping[str, Variant] = {
 
 
 def available() -> list[str]:
-    """Those whose packages are installed."""
     return [
         name
         for name, v in VARIANTS.items()
