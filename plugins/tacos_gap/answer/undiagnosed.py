@@ -18,10 +18,7 @@ WANTED = NextCapture(
 
 
 class NothingMeasured(UserError):
-    """A folder was read, and none of its captures can be measured.
-
-    `fault`: that it is so, and why. `limitations`: what each capture lacks, in sentences.
-    """
+    """A folder was read, and none of its captures can be measured."""
 
     def __init__(self, fault: Fault, limitations: Sequence[str] = ()):
         super().__init__(fault)

@@ -32,10 +32,7 @@ _OPPOSITE = -0.5
 
 
 def doubts(captures: Sequence[RealCapture]) -> Iterator[str]:
-    """Doubts about captures, each in a sentence that begins with what it is about.
-
-    `captures`: all captures of a folder that were read without a fault.
-    """
+    """Doubts about captures, each in a sentence that begins with what it is about."""
     for capture in captures:
         yield from _of_frames(capture)
         yield from _of_zeros(capture)

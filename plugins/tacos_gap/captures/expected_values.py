@@ -17,10 +17,7 @@ Render = Callable[[Path, str], NDArray[np.float32]]
 
 
 class ExpectedValues:
-    """Reads or renders expected values.
-
-    `render`: renders captures that name a recipe; without it they are refused.
-    """
+    """Reads or renders expected values."""
 
     def __init__(self, entry: FolderEntry, files: CaptureFiles, render: Render | None):
         self._entry = entry

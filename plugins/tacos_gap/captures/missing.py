@@ -21,11 +21,7 @@ _LOOKED_AT = 5000
 
 
 def nothing_to_read(folder: Path) -> Fault:
-    """The fault of a folder that holds no ``captures.yaml``.
-
-    `folder`: it may hold half of what the simulator was to take, photographs, folders of captures, or none of
-    them; be a photograph itself; or not be there.
-    """
+    """The fault of a folder that holds no ``captures.yaml``."""
     if not folder.exists():
         return Fault(str(folder), "there is no such folder", f"a folder of captures, with {FILE}", BEGIN)
     if folder.is_file():

@@ -39,10 +39,7 @@ def in_time_order(captures: Sequence[RealCapture]) -> tuple[RealCapture, ...]:
 
 
 def time_doubts(captures: Sequence[RealCapture]) -> Iterator[str]:
-    """Sentences on what contradicts or follows from `taken_s`, each beginning with what it is about.
-
-    `captures`: as they are listed.
-    """
+    """Sentences on what contradicts or follows from `taken_s`, each beginning with what it is about."""
     timed = [(capture, capture.taken_s) for capture in captures if capture.taken_s is not None]
     for (before, earlier_s), (after, later_s) in pairwise(timed):
         if later_s < earlier_s:

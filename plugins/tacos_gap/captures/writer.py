@@ -46,8 +46,6 @@ class CaptureWriter:
     Frames of whole numbers become PNG, of 8 bits where the white level allows it and of 16 where not; other
     frames, expectations, depth and motion become ``.npy``. An expectation that is the same everywhere is
     written as a number.
-
-    `written`: what another writer had added to this folder before it was ended.
     """
 
     def __init__(self, folder: str | Path, written: Sequence[WrittenCapture] = ()) -> None:

@@ -37,11 +37,7 @@ class HypothesisTerm:
         return f"effect.{self.name}"
 
     def placed(self, capture: str | None = None) -> PlacedEffect | None:
-        """The effect as a recipe places it; None where it refuses the values, or no camera has them.
-
-        `capture`: the capture it is placed for; values that some captures have of their own are refused
-        together.
-        """
+        """The effect as a recipe places it; None where it refuses the values, or no camera has them."""
         if any(self._placed(own) is None for own in captures_with_values(self.values)):
             return None
         return self._placed(capture)

@@ -75,10 +75,7 @@ def without(hypothesis: Hypothesis, name: str) -> Hypothesis:
 
 
 def placed(hypothesis: Hypothesis, capture: str | None = None) -> list[PlacedEffect]:
-    """The effects of a hypothesis as a recipe places them, without those that refuse their values.
-
-    `capture`: the capture they are placed for, which may have values of its own.
-    """
+    """The effects of a hypothesis as a recipe places them, without those that refuse their values."""
     return [effect for term in hypothesis if (effect := term.placed(capture)) is not None]
 
 
@@ -127,10 +124,7 @@ class Slot:
 
 
 class Problem:
-    """Evidence of all captures as one vector of residuals.
-
-    `evidence`: one per capture, or view. `workers`: threads that captures are simulated in, side by side.
-    """
+    """Evidence of all captures as one vector of residuals."""
 
     def __init__(self, evidence: Sequence[Evidence], workers: int = 1):
         self.evidence = list(evidence)

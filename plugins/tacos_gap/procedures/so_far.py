@@ -16,10 +16,7 @@ from tacos_gap.hypotheses.kept import KeptTerm
 
 
 class KeptSoFar:
-    """Writes what is known so far, and says at first sight what arithmetic tells.
-
-    `path`: the file, which is written whole or not at all.
-    """
+    """Writes what is known so far, and says at first sight what arithmetic tells."""
 
     def __init__(self, path: Path, progress: Progress) -> None:
         self._path = path

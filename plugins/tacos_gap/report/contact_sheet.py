@@ -27,8 +27,6 @@ FRAMES = 4
 def contact_sheet(folder: Path) -> Page:
     """The pictures of a folder under the kinds they are taken for, with what the import said of them.
 
-    Captures that a diagnosis would leave out are shown like all others.
-
     Raises UserError with all faults of ``captures.yaml``, and all files that are missing or no pictures.
     """
     path, document, entry = read_entries(folder)

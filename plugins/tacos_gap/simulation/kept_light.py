@@ -1,7 +1,4 @@
-"""Light of one capture that is simulated again and again: what effects make of it is worked out once.
-
-Hypotheses mostly differ in one effect, and draws of a hypothesis in nothing but noise.
-"""
+"""Light of one capture that is simulated again and again: what effects make of it is worked out once."""
 
 from __future__ import annotations
 
@@ -17,10 +14,7 @@ Key = tuple[str, ...]
 
 
 class KeptLight:
-    """Samples by the effects that made them, the last ones used. Threads may share it.
-
-    `most_bytes`: what is remembered at most.
-    """
+    """Samples by the effects that made them, the last ones used. Threads may share it."""
 
     def __init__(self, most_bytes: int) -> None:
         self._most_bytes = most_bytes

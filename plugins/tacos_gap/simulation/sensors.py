@@ -38,10 +38,7 @@ HIGHEST = 0.6
 
 
 class CapturedNoise:
-    """The affine noise of a capture as a sensor; its light is in DN above the pedestal already.
-
-    `kept`: remembers the normal numbers of its frames, where these are drawn again and again.
-    """
+    """The affine noise of a capture as a sensor; its light is in DN above the pedestal already."""
 
     def __init__(
         self, noise: Noise, black_level_dn: float, white_level_dn: float, kept: KeptNumbers | None = None
@@ -119,10 +116,7 @@ def exposure_of(capture: RealCapture) -> Exposure:
 
 
 def response_of(sensor: SensorAt, channels: int) -> tuple[Noise, NDArray[np.float64]]:
-    """Noise of a sensor as a line over the signal, and (C,) the signal it has without light [DN].
-
-    Its moments say it: variance without light, and at `HIGHEST`.
-    """
+    """Noise of a sensor as a line over the signal, and (C,) the signal it has without light [DN]."""
     component = sensor.sensor
     black = float(component.black_level_dn)
     samples = np.empty((1, 1, 2, channels), np.float32)

@@ -34,8 +34,6 @@ def made_ahead(
     """Batches with the commitments to their truths, which by then stand in a file.
 
     The next batch is made while the caller solves the one it was given, but for cases that are timed.
-
-    `makers`: processes of the generator.
     """
     out = results.folder
     shutil.rmtree(out / MADE, ignore_errors=True)  # what a broken run left

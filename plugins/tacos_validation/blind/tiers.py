@@ -50,10 +50,7 @@ class Counts(Settings):
 def case_specifications(
     counts: Counts, seed: int, size_px: tuple[int, int], full_set: str = "charts"
 ) -> list[CaseSpecification]:
-    """All cases, in random order and with random names, so that neither tells what is in them.
-
-    `full_set`: captures of the tiers that have all of them.
-    """
+    """All cases, in random order and with random names, so that neither tells what is in them."""
     rng = np.random.default_rng([seed, 1])
     drafts = list(_drafts(counts, rng, full_set))
     named = []

@@ -53,10 +53,7 @@ class NoiseCurve:
 def noise_curve(
     captures: Sequence[RealCapture], effects: Sequence[PlacedEffect], seed: int
 ) -> NoiseCurve | None:
-    """Measure what a camera's captures tell; None where none was taken twice at one gain.
-
-    `captures`: of one camera; those of the gain that most have are used, of colour the green.
-    """
+    """Measure what a camera's captures tell; None where none was taken twice at one gain."""
     usable = [c for c in captures if c.kind in KINDS and c.frames >= FRAMES and c.expected_dn is not None]
     if not usable:
         return None

@@ -83,8 +83,6 @@ def replayed(
 
     Its interval holds the scatter of neighbouring pairs, and what it changed to double what the source
     lacks; where all lacks together change more than the tolerance the exposure is refused.
-
-    `worse`: mean inliers with a lack doubled, by its name.
     """
     predicted = float(pairs.mean())
     changes = {name: abs(value - predicted) for name, value in worse.items()}

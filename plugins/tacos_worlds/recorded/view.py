@@ -22,10 +22,7 @@ _OUTSIDE_PX = 0.6
 
 
 def shown_of(camera: Camera, source: Camera, place_m: NDArray[np.float64]) -> dict[str, str]:
-    """Why an image of the source does not show what a camera sees: a word or two -> a sentence.
-
-    `place_m`: (3,) where the recording was taken, which is the place of the rig's first camera [m].
-    """
+    """Why an image of the source does not show what a camera sees: a word or two -> a sentence."""
     reasons = {}
     beside_m = float(np.linalg.norm(camera.agent_from_camera[:3, 3] - place_m))
     if beside_m > 1e-6:

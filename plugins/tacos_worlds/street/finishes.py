@@ -67,10 +67,7 @@ _VARIANTS = 3
 
 
 class StreetTextures:
-    """The textures of one town, each synthesised on first use from its own stream of random numbers.
-
-    `largest_px`: edge of the largest ones, a power of two; the others are smaller in proportion [px].
-    """
+    """The textures of one town, each synthesised on first use from its own stream of random numbers."""
 
     def __init__(self, rng: np.random.Generator, largest_px: int = LARGEST_PX) -> None:
         self._largest_px = largest_px

@@ -41,10 +41,7 @@ class Pedestrian:
 def draw_pedestrians(
     rng: np.random.Generator, kerbs: Sequence[Kerb], taken: Sequence[Rect], duration_s: float, count: int
 ) -> list[Pedestrian]:
-    """Up to `count` people on the pavements behind some kerbs.
-
-    `taken`: footprints of what stands on the pavements [m]. `duration_s`: how long they have to walk [s].
-    """
+    """Up to `count` people on the pavements behind some kerbs."""
     found: list[Pedestrian] = []
     ways: list[Rect] = []
     for stream in rng.spawn(count):

@@ -29,8 +29,6 @@ def laid_over(picture: NDArray[np.float32], onto: NDArray[np.float32]) -> Overla
     """The picture moved by the affine map that correlates it best with another; None where nothing does.
 
     Gains and offsets do not matter.
-
-    `picture`, `onto`: (H, W) float32 of any unit.
     """
     import cv2
 

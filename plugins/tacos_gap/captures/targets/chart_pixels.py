@@ -12,10 +12,7 @@ CELLS = ((0, 0), (0, 1), (1, 0), (1, 1))
 
 
 def in_colour(image: NDArray[np.floating], cfa: str | None) -> NDArray[np.floating] | None:
-    """(H, W, 3) a picture in colour, of a mosaic at half its size; None of a grey one.
-
-    `image`: (H, W, C). `cfa`: filters of a mosaic.
-    """
+    """(H, W, 3) a picture in colour, of a mosaic at half its size; None of a grey one."""
     if image.shape[-1] == 3:
         return image
     if cfa is None:

@@ -105,10 +105,7 @@ def darkness(plane: NDArray[np.float32], paper: NDArray[np.float32]) -> NDArray[
 
 
 def find_print(dark: NDArray[np.float32]) -> Print | None:
-    """The print of which a picture has this darkness; None where two tones do not explain it.
-
-    `dark`: (H, W) as `darkness` gives it.
-    """
+    """The print of which a picture has this darkness; None where two tones do not explain it."""
     if min(dark.shape) < 4 * BORDER_PX:
         return None
     part = _Spectrum.of(_with_most_ink(dark))

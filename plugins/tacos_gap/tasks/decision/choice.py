@@ -34,10 +34,7 @@ class Choice:
 
 
 def choice(before: RankedCameras, after: RankedCameras) -> Choice:
-    """The camera to take, before and after.
-
-    The sequential test of `after` compares every camera with the best of `before`.
-    """
+    """The camera to take, before and after."""
     first = before.order[0]
     best = after.order[0]
     beaten_by = [name for name, found in after.comparisons.items() if found.verdict == "worse"]

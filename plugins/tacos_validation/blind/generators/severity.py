@@ -84,10 +84,7 @@ def _tiled(image: Image) -> Image:
 
 
 class NoiseFloor:
-    """The ideal camera against itself, over the acquisitions of a case.
-
-    `acquisitions`: the captures; boards count for nothing here.
-    """
+    """The ideal camera against itself, over the acquisitions of a case."""
 
     def __init__(self, acquisitions: Sequence[Acquisition], camera: IdealCamera, seed: int):
         self._acquisitions = [acquisition for acquisition in acquisitions if acquisition.board is None]

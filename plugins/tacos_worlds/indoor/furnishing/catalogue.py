@@ -80,10 +80,7 @@ LONGEST_EDGE_M: Mapping[str, tuple[float, float]] = {
 
 
 class Catalogue:
-    """Makes furniture by kind: procedural, or from models of the user's own.
-
-    `models`: for some classes, pieces of the user's own that replace the procedural ones.
-    """
+    """Makes furniture by kind: procedural, or from models of the user's own."""
 
     def __init__(self, models: Mapping[str, Sequence[Piece]] | None = None) -> None:
         self._models = dict(models or {})

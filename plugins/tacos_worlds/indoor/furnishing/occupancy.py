@@ -119,10 +119,7 @@ class RoomFloor:
         return True
 
     def add_blocking(self, arrangement: Arrangement, *, over: Sequence[Rect]) -> bool:
-        """Leave an arrangement where it is, partly over what stands there already, if one can still walk.
-
-        `over`: floor that is taken and may be shared.
-        """
+        """Leave an arrangement where it is, partly over what stands there already, if one can still walk."""
         rects = [m.footprint for m in arrangement.members]
         others = [rect for rect in self.taken if rect not in over]
         if not all(self.clear.contains(rect) for rect in rects):

@@ -26,8 +26,6 @@ def welcome(rng: np.random.Generator, floor: RoomFloor, *, people: float) -> Non
 
     Who sits blocks the floor before the seat; who stands, a place away from the walls. Neither takes the
     way between the doors.
-
-    `people`: their mean number [1].
     """
     for _ in range(int(rng.poisson(people))):
         if rng.uniform() >= _SITTING or not _sit(rng, floor):

@@ -42,10 +42,7 @@ _SETTING_M = 0.72
 def lay_out(
     rng: np.random.Generator, floor: RoomFloor, style: Style, *, clutter: float, triangles: int
 ) -> None:
-    """Put small things on every top of a furnished room, up to a number of triangles.
-
-    `clutter`: 0 for none to 1 for many [1].
-    """
+    """Put small things on every top of a furnished room, up to a number of triangles."""
     on_tops = [m for made in floor.placed for m in made.members]
     found: list[Member] = []
     for base in list(on_tops):

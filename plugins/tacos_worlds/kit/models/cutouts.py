@@ -45,11 +45,7 @@ def without_clear(model: Model) -> Model:
 
 
 def cut_out(model: Model, most_triangles: int = 100_000) -> Model:
-    """The model with the holes of its masks, and with textures that end at their edges held there.
-
-    `most_triangles`: of all surfaces with holes together: masks are read more coarsely rather than giving
-    more [1].
-    """
+    """The model with the holes of its masks, and with textures that end at their edges held there."""
     with_holes = sum(model.skins[s.skin].mask is not None and s.uv is not None for s in model.surfaces)
     most = most_triangles // max(with_holes, 1)
     return replace(model, surfaces=tuple(_cut(s, model.skins[s.skin], most) for s in model.surfaces))

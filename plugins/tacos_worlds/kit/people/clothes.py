@@ -57,10 +57,7 @@ class Clothes:
 
 
 def draw_clothes(rng: np.random.Generator, *, outdoors: bool, cloth: str) -> Clothes:
-    """Random clothes.
-
-    `outdoors`: coats and jackets, rather than shirts. `cloth`: name of the texture of cloth; "" for none.
-    """
+    """Random clothes."""
 
     def pick(colours: tuple[Colour, ...]) -> Colour:
         return colours[int(rng.integers(len(colours)))]

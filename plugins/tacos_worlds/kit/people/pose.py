@@ -72,10 +72,7 @@ def walking(rng: np.random.Generator) -> Pose:
 
 
 def seated(rng: np.random.Generator, height_m: float, *, seat_m: float, back_deg: float) -> Pose:
-    """On a seat, leaning back by so much, hands in the lap; the feet reach the floor, or dangle.
-
-    `height_m`: of the body, upright [m]. `seat_m`: of the seat above the floor [m].
-    """
+    """On a seat, leaning back by so much, hands in the lap; the feet reach the floor, or dangle."""
     rise = (seat_m + SEATED_THIGH * height_m - KNEE * height_m) / ((HIP - KNEE) * height_m)
     thigh = math.degrees(math.acos(float(np.clip(rise, -0.35, 0.3))))
     bent = thigh + float(rng.uniform(-6, 6))
