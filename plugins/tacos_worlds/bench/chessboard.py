@@ -40,19 +40,14 @@ class Chessboard:
         left_m, bottom_m = config.right_m - columns * side_m / 2, config.up_m - rows * side_m / 2
         paper = facing(
             config.distance_m,
-            left_m=left_m - side_m,
-            right_m=left_m + (columns + 1) * side_m,
-            bottom_m=bottom_m - side_m,
-            top_m=bottom_m + (rows + 1) * side_m,
-            material=0,
+            (left_m - side_m, left_m + (columns + 1) * side_m),
+            (bottom_m - side_m, bottom_m + (rows + 1) * side_m),
         )
         squares = [
             facing(
                 config.distance_m - IN_FRONT_M,
-                left_m=left_m + column * side_m,
-                right_m=left_m + (column + 1) * side_m,
-                bottom_m=bottom_m + row * side_m,
-                top_m=bottom_m + (row + 1) * side_m,
+                (left_m + column * side_m, left_m + (column + 1) * side_m),
+                (bottom_m + row * side_m, bottom_m + (row + 1) * side_m),
                 material=1,
             )
             for column, row in product(range(columns), range(rows))

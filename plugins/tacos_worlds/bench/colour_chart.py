@@ -45,11 +45,8 @@ class ColourChart:
         border_m = config.gap_m
         frame = facing(
             config.distance_m,
-            left_m=-half_width_m - border_m,
-            right_m=half_width_m + border_m,
-            bottom_m=-half_height_m - border_m,
-            top_m=half_height_m + border_m,
-            material=0,
+            (-half_width_m - border_m, half_width_m + border_m),
+            (-half_height_m - border_m, half_height_m + border_m),
         )
         materials, patches = [matte("frame", config.frame)], []
         for i, (name, reflectance) in enumerate(reflectances().items()):
@@ -60,10 +57,8 @@ class ColourChart:
             patches.append(
                 facing(
                     config.distance_m - IN_FRONT_M,
-                    left_m=left_m,
-                    right_m=left_m + config.patch_m,
-                    bottom_m=top_m - config.patch_m,
-                    top_m=top_m,
+                    (left_m, left_m + config.patch_m),
+                    (top_m - config.patch_m, top_m),
                     material=i + 1,
                     object_id=i + 2,
                 )

@@ -40,17 +40,8 @@ class GreyBars:
         config = self.config
         reflectances = np.linspace(config.darkest, config.brightest, config.bars)
         edges = np.linspace(-config.width_m / 2, config.width_m / 2, config.bars + 1)
-        parts = [
-            facing(
-                config.distance_m,
-                left_m=left,
-                right_m=right,
-                bottom_m=-config.height_m / 2,
-                top_m=config.height_m / 2,
-                material=i,
-            )
-            for i, (left, right) in enumerate(pairwise(edges))
-        ]
+        up_m = (-config.height_m / 2, config.height_m / 2)
+        parts = [facing(config.distance_m, across, up_m, i) for i, across in enumerate(pairwise(edges))]
         world = bench_world(
             f"scene.grey-bars {config.bars} {config.darkest!r} {config.brightest!r}",
             parts,

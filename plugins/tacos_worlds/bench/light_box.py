@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tacos_framework import Episode, Settings, setting
-from tacos_worlds.bench.stand import facing, matte, standing, tent_world
+from tacos_worlds.bench.stand import matte, square, standing, tent_world
 
 
 class LightBox:
@@ -23,13 +23,9 @@ class LightBox:
 
     def episode(self, *, illumination_lux: float) -> Episode:
         config = self.config
-        half_m = 20 * config.distance_m  # seen up to 87 degrees off the axis
-        part = facing(
-            config.distance_m, left_m=-half_m, right_m=half_m, bottom_m=-half_m, top_m=half_m, material=0
-        )
         world = tent_world(
             f"scene.light-box {config.reflectance!r} {config.distance_m!r}",
-            [part],
+            [square(config.distance_m, 20 * config.distance_m)],  # seen up to 87 degrees off the axis
             [matte("white", config.reflectance)],
             illumination_lux=illumination_lux,
         )

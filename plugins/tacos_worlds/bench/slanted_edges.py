@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from tacos_framework import Episode, MeshPart, Settings, setting
-from tacos_worlds.bench.stand import facing, matte, standing, tent_world
+from tacos_worlds.bench.stand import matte, square, standing, tent_world
 
 IN_FRONT_M = 1e-4
 """How far the squares lie before the paper, so that neither hides the other by chance [m]."""
@@ -40,10 +40,7 @@ class SlantedEdges:
 
     def episode(self, *, illumination_lux: float) -> Episode:
         config = self.config
-        half_m = config.size_m / 2
-        paper = facing(
-            config.distance_m, left_m=-half_m, right_m=half_m, bottom_m=-half_m, top_m=half_m, material=0
-        )
+        paper = square(config.distance_m, config.size_m / 2)
         world = tent_world(
             f"scene.slanted-edges {config.model_dump(exclude={'frames'})!r}",
             [paper, self._squares()],

@@ -39,19 +39,17 @@ def matte(name: str, reflectance: float) -> Material:
 
 def facing(
     distance_m: float,
-    *,
-    left_m: float,
-    right_m: float,
-    bottom_m: float,
-    top_m: float,
-    material: int,
+    across_m: tuple[float, float],
+    up_m: tuple[float, float],
+    material: int = 0,
     object_id: int = 1,
 ) -> MeshPart:
     """A rectangle in the plane x = distance that faces the camera.
 
-    `left_m`, `right_m`: its left and right edge as the camera sees them, positive to the right [m].
-    `bottom_m`, `top_m`: its lower and upper edge above the axis [m].
+    `across_m`: its left and right edge as the camera sees them, positive to the right [m]. `up_m`: its lower
+    and upper edge above the axis [m].
     """
+    (left_m, right_m), (bottom_m, top_m) = across_m, up_m
     corners = [
         (distance_m, -left_m, bottom_m),
         (distance_m, -left_m, top_m),
@@ -67,6 +65,11 @@ def facing(
         material=material,
         object_id=object_id,
     )
+
+
+def square(distance_m: float, half_m: float) -> MeshPart:
+    """A square about the axis that faces the camera; `half_m`: half its edge [m]."""
+    return facing(distance_m, (-half_m, half_m), (-half_m, half_m))
 
 
 def panel(distance_m: float) -> Light:

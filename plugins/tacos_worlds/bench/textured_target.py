@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tacos_framework import Episode, Material, Settings, Trajectory, setting
 from tacos_framework.camera import srgb_from_linear
-from tacos_worlds.bench.stand import facing, standing, tent_world, turned
+from tacos_worlds.bench.stand import square, standing, tent_world, turned
 
 SMALLEST_PX, LARGEST_PX = 3.0, 300.0
 """Radii of the leaves [px of the texture]."""
@@ -78,9 +78,7 @@ class TexturedTarget:
         if not config.colourful:
             leaves = np.repeat(leaves[..., 1:2], 3, axis=-1)
         half_m = config.size_m * (0.5 + (BORDER if config.speed_m_s else 0.0))
-        sheet = facing(
-            config.distance_m, left_m=-half_m, right_m=half_m, bottom_m=-half_m, top_m=half_m, material=0
-        )
+        sheet = square(config.distance_m, half_m)
         material = Material(
             "leaves", np.ones(3, np.float32), texture=leaves, texture_size_m=config.size_m, roughness=1.0
         )
