@@ -88,7 +88,7 @@ class Closures:
 
 
 def closures_of(problem: Problem, best: Fitted, rng: np.random.Generator, draws: int = 200) -> Closures:
-    """Closures of an explanation, all from the same numbers; intervals by resampled captures and statistics."""
+    """Closures of an explanation from the same numbers; intervals by resampled captures and statistics."""
     names = best.names
     subsets = [subset for size in range(len(names) + 1) for subset in combinations(names, size)]
     gaps = resampled_gaps(problem, np.stack([_left_by(problem, best, s) for s in subsets]), rng, draws)
