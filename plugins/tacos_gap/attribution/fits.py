@@ -17,13 +17,7 @@ compared by several simulations."""
 
 
 class Fits:
-    """Fits hypotheses, each set of effects once.
-
-    Parameters
-    ----------
-    each
-        A map that may work in parallel.
-    """
+    """Fits hypotheses, each set of effects once."""
 
     def __init__(self, problem: Problem, each: Map = map):
         self.problem = problem
@@ -53,7 +47,6 @@ class Fits:
         return self.known[_key(fitted.hypothesis)]
 
     def keep(self, fitted: Fitted) -> Fitted:
-        """The fit, which from now on stands for its set of effects."""
         self.known[_key(fitted.hypothesis)] = fitted
         return fitted
 

@@ -17,21 +17,12 @@ from tacos_gap.inference.screening import columns_on, forms_of
 
 @dataclass(frozen=True, eq=False)
 class HeldOut:
-    """Each fold as it is predicted by the effects and the parameters that the other fold alone would choose.
+    """Each fold as it is predicted by the effects and the parameters that the other fold alone would choose."""
 
-    Parameters
-    ----------
-    left
-        (K,) residuals that are left [noise floor].
-    chosen
-        The effects, by each fold.
-    unseen
-        Effects that one fold does not show: it was given them, and they are not held out.
-    """
-
-    left: NDArray[np.float64]
-    chosen: tuple[tuple[str, ...], ...]
+    left: NDArray[np.float64]  # (K,) residuals that are left [noise floor]
+    chosen: tuple[tuple[str, ...], ...]  # the effects, by each fold
     unseen: frozenset[str]
+    """Effects that one fold does not show: it was given them, and they are not held out."""
 
     def why_not(self, effect: str) -> str:
         """Why an effect of the explanation is not held out from the selection; empty where it is."""
@@ -77,7 +68,7 @@ def held_out(attribution: Attribution) -> HeldOut:
 
 
 def _shows(problem: Problem, best: Fitted, name: str, seen: NDArray[np.bool_]) -> bool:
-    """Whether an effect changes some numbers by what could earn its penalty."""
+    """True if an effect changes some numbers by what could earn its penalty."""
     z = problem.residual(without(best.hypothesis, name))
     if z is None:
         return False

@@ -20,16 +20,11 @@ SMALL = 0.05
 
 
 def is_plainly_needed(problem: Problem, fitted: Fitted, name: str, least: float) -> bool:
-    """Whether all other effects together could not make up for one, as far as first order tells.
+    """True if all other effects together could not make up for one, as far as first order tells.
 
     One simulation without it and the Jacobian of the others tell what a fit of these would leave at best.
 
-    Parameters
-    ----------
-    name
-        One of its effects.
-    least
-        What an effect must gain to be kept [nat].
+    `name`: one of its effects. `least`: what an effect must gain to be kept [nat].
     """
     z = problem.residual(without(fitted.hypothesis, name))
     if z is None:
@@ -46,13 +41,6 @@ def least_needed(problem: Problem, best: Fitted) -> str | None:
 
     Selection counts log scores, in which a statistic that hardly varies outweighs many that got worse. None
     where all effects are needed.
-
-    Parameters
-    ----------
-    problem
-        The evidence, in the units of the explanation.
-    best
-        The explanation, where its fit ended.
     """
     if not best.hypothesis:
         return None
@@ -69,7 +57,7 @@ def least_needed(problem: Problem, best: Fitted) -> str | None:
 
 
 def _may_be_neutral(term: HypothesisTerm, reach: np.ndarray) -> bool:
-    """Whether the interval of each free parameter holds the value that switches the effect off."""
+    """True if the interval of each free parameter holds the value that switches the effect off."""
     neutral = [neutral_value(term.cls, name) for name in term.free]
     return bool(term.free) and all(
         at is not None and abs(term.values[name] - at) <= half

@@ -18,27 +18,13 @@ from tacos_gap.inference.unknown import block_index
 
 @dataclass(frozen=True)
 class NegativeControl:
-    """What selection closes of numbers that mean nothing.
+    """What selection closes of numbers that mean nothing."""
 
-    Parameters
-    ----------
-    effects
-        How many are chosen, as many as the explanation has.
-    among
-        From how many.
-    closure
-        The middle one of many controls; near 0 where what is held out is to be trusted.
-    interval
-        That holds 90 % of them.
-    p_value
-        Share of controls that close as much as the explanation.
-    """
-
-    effects: int
-    among: int
-    closure: float
-    interval: tuple[float, float]
-    p_value: float
+    effects: int  # how many are chosen, as many as the explanation has
+    among: int  # from how many
+    closure: float  # the middle one of many controls; near 0 where what is held out is to be trusted
+    interval: tuple[float, float]  # that holds 90 % of them
+    p_value: float  # share of controls that close as much as the explanation
 
 
 def negative_control(
@@ -50,10 +36,7 @@ def negative_control(
     the same places, and nothing explains it. As many effects as the explanation has are chosen and fitted by
     one fold, one after another, and held against the other. None where nothing was explained.
 
-    Parameters
-    ----------
-    closed
-        What the explanation closes, held out alike.
+    `closed`: what the explanation closes, held out alike.
     """
     problem, count = attribution.problem, len(attribution.best.hypothesis)
     if not count:
@@ -101,10 +84,7 @@ def _with_one_more(
 ) -> NDArray[np.float64]:
     """(K, D) what is left with the effect that gains most in the numbers seen, each draw its own.
 
-    Parameters
-    ----------
-    columns, changes
-        (K, P) what each effect changes in the robust residuals, and in the residuals.
+    `columns`, `changes`: (K, P) what each effect changes in the robust residuals, and in the residuals.
     """
     best, least = left, np.full(left.shape[1], np.inf)
     straight = robust(left)

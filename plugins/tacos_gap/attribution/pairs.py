@@ -32,18 +32,10 @@ PROMISING = 3
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """Two effects and what they could gain together.
+    """Two effects and what they could gain together."""
 
-    Parameters
-    ----------
-    gain
-        Fall of the sum of robust squares, to first order.
-    terms
-        Where their fit begins.
-    """
-
-    gain: float
-    terms: tuple[HypothesisTerm, HypothesisTerm]
+    gain: float  # fall of the sum of robust squares, to first order
+    terms: tuple[HypothesisTerm, HypothesisTerm]  # where their fit begins
 
 
 def best_pair(
@@ -51,12 +43,7 @@ def best_pair(
 ) -> Pair | None:
     """The pair of effects that could gain most on top of (K,) residuals; None where there are no two.
 
-    Parameters
-    ----------
-    names
-        Effects that may be in the pair.
-    base
-        (K,) residuals of the explanation so far [noise floor].
+    `names`: effects that may be in the pair. `base`: (K,) residuals of the explanation so far [noise floor].
     """
     groups = {name: apart(directions[name], base) for name in names}
     if len(groups) < 2:

@@ -14,37 +14,20 @@ from tacos_gap.inference.screening import ScreeningDirections
 
 @dataclass(frozen=True, eq=False)
 class Attribution:
-    """What was found.
-
-    Parameters
-    ----------
-    best
-        The explanation; an empty hypothesis where nothing is explained.
-    null
-        The hypothesis without effects.
-    slots
-        For each effect of `best`, the score of every effect tried in its place, itself included; ``""``
-        stands for leaving it out [nat].
-    fits
-        All sets of effects that were fitted.
-    problem
-        The evidence, in units of the noise floor of the explanation.
-    errors
-        Like `slots`, the standard error of each score's difference to that of the effect itself [nat].
-    directions
-        What every effect that was screened changes, in the same units.
-    cut_short
-        Whether no further effect was looked for as the simulations were spent.
-    """
+    """What was found."""
 
     best: Fitted
     null: Fitted
     slots: Mapping[str, Mapping[str, float]]
+    """For each effect of `best`, the score of every effect tried in its place, itself included; ``""`` stands
+    for leaving it out [nat]."""
     fits: Mapping[tuple[str, ...], Fitted]
-    problem: Problem
+    problem: Problem  # the evidence, in units of the noise floor of the explanation
     errors: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    """Like `slots`, the standard error of each score's difference to that of the effect itself [nat]."""
     directions: ScreeningDirections = field(default_factory=dict)
-    cut_short: bool = False
+    """What every effect that was screened changes, in the same units."""
+    cut_short: bool = False  # whether no further effect was looked for as the simulations were spent
 
     @classmethod
     def among(

@@ -79,18 +79,8 @@ def affordable_simulations(evidence: Sequence[Evidence]) -> int:
 class Rounds:
     """What is known of the effects by now, and one round after another.
 
-    Parameters
-    ----------
-    effects
-        Name and class of every candidate.
-    each
-        A map that may work in parallel.
-    notify
-        Told what is being done.
-    simulations
-        How many of all captures may be made from now on before no further effect is looked for.
-    begun
-        Effects that selection begins with, where they explain more than nothing does.
+    `simulations`: how many of all captures may be made from now on before no further effect is looked for.
+    `begun`: effects that selection begins with, where they explain more than nothing does.
     """
 
     def __init__(
@@ -112,7 +102,7 @@ class Rounds:
         self.cut_short = False
 
     def are_spent(self) -> bool:
-        """Whether all simulations were made, so that no further effect is looked for: it is cut short."""
+        """True if all simulations were made, so that no further effect is looked for: it is cut short."""
         self.cut_short |= self.problem.simulations >= self._last
         return self.cut_short
 
@@ -205,10 +195,8 @@ class Rounds:
     ) -> Fitted | None:
         """The best explanation with one more effect, or two; None when none is worth its penalty.
 
-        Parameters
-        ----------
-        is_rest
-            Whether the base leaves so little that nothing is unknown: then effects must prove themselves.
+        `is_rest`: true if the base leaves so little that nothing is unknown: then effects must prove
+        themselves.
         """
         least = SCREENING_FRACTION * COMPLEXITY_PENALTY
         guesses = self.shortlisted(base, self.free(base, among), least)

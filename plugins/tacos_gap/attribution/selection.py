@@ -49,18 +49,8 @@ RIVALS = "comparing with rivals"
 class ForwardSelection:
     """Looks for the effects behind a gap.
 
-    Parameters
-    ----------
-    effects
-        Name and class of every candidate.
-    notify
-        Told what is being done.
-    simulations
-        Those of all captures after which no further effect is looked for.
-    begun
-        Effects that the search begins with.
-    keep
-        Given each explanation as it is found, so that a search that is broken off can go on from there.
+    `simulations`: those of all captures after which no further effect is looked for. `keep`: given each
+    explanation as it is found, so that a search that is broken off can go on from there.
     """
 
     def __init__(
@@ -82,7 +72,6 @@ class ForwardSelection:
         self._effects = effects
 
     def run(self) -> Attribution:
-        """Search, and compare what was found with its rivals."""
         with ThreadPoolExecutor(self._workers) as pool:
             rounds = self._rounds = Rounds(
                 self._problem, self._effects, pool.map, self._notify, self._simulations, self._begun

@@ -33,7 +33,7 @@ LEAST_CHANGE = 0.25
 
 
 def shows(problem: Problem, base: Fitted, fitted: Fitted) -> bool:
-    """Whether what a fit changes exceeds the equivalence margin in any statistic of any capture.
+    """True if what a fit changes exceeds the equivalence margin in any statistic of any capture.
 
     Thousands of pixels find a little of everything in every camera.
     """
@@ -43,7 +43,7 @@ def shows(problem: Problem, base: Fitted, fitted: Fitted) -> bool:
 
 
 def fits_a_bit(problem: Problem, base: Fitted, fitted: Fitted) -> bool:
-    """Whether further effects prove nothing, and leave much of what they were added for.
+    """True if further effects prove nothing, and leave much of what they were added for.
 
     What formulas miss of a large effect is far above the noise floor, and more of them fit a bit of it each.
     """
@@ -52,7 +52,7 @@ def fits_a_bit(problem: Problem, base: Fitted, fitted: Fitted) -> bool:
 
 
 def is_worth_it(problem: Problem, base: Fitted, fitted: Fitted) -> bool:
-    """Whether a further effect gains more than its penalty, beyond what formulas may miss."""
+    """True if a further effect gains more than its penalty, beyond what formulas may miss."""
     allowed = discrepancy(problem, base, MISFIT)
     slots = [slice(slot.start, slot.stop) for slot in problem.slots]
     touched = [slot for slot in slots if not np.array_equal(base.z[slot], fitted.z[slot])]
@@ -64,12 +64,8 @@ def least_gain(problem: Problem, base: Fitted, touched: Sequence[slice] = (slice
 
     What brackets leave unexplained says nothing of what flats prove.
 
-    Parameters
-    ----------
-    base
-        The explanation that it is added to.
-    touched
-        Where the captures that it changes stand in the residuals; all by default.
+    `base`: the explanation that it is added to. `touched`: where the captures that it changes stand in the
+    residuals; all by default.
     """
     left = np.concatenate([robust(base.held_out[slot]) ** 2 for slot in (*touched, slice(0))])
     rest = 0.5 * problem.weight * float(np.sum(left) - len(left))  # squares of the noise floor are 1 each
@@ -77,19 +73,4 @@ def least_gain(problem: Problem, base: Fitted, touched: Sequence[slice] = (slice
 
 
 def least_of_a_rival(gained: float) -> float:
-    """What another effect must promise to first order to be fitted in the place of one that gained so much.
-
-    Screening sees effects apart, a parameter at a time, and with rivals that move pixels it is coarse; only
-    those are left out that promise next to nothing, and fall short by more than rivals do.
-
-    Parameters
-    ----------
-    gained
-        Log score with the effect, less that without it [nat].
-
-    Returns
-    -------
-    float
-        A gain [nat]; 0 where all are to be fitted.
-    """
     return max(0.0, min(RIVAL_SHARE * gained, gained - CLOSE))

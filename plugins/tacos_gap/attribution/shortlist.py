@@ -24,18 +24,7 @@ def shortlist(
 ) -> list[HypothesisTerm]:
     """Initial guesses of the effects with the highest screening scores on `base`, the highest first.
 
-    Parameters
-    ----------
-    base
-        The explanation that they are to extend.
-    names
-        The effects in question.
-    count
-        How many at most.
-    least
-        Screening score below which an effect is not fitted [nat].
-    each
-        A map that may work in parallel.
+    `least`: screening score below which an effect is not fitted [nat].
     """
     scores = sorted((screening_score(directions[name], base.z) for name in names), key=lambda s: -s.gain)
     worth = 0.5 * problem.weight

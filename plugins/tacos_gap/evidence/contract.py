@@ -28,21 +28,11 @@ class Label:
 
 @dataclass(frozen=True, eq=False)
 class ReplicateResiduals:
-    """Residuals against simulated replicates of a hypothesis, in units of its own noise floor.
+    """Residuals against simulated replicates of a hypothesis, in units of its own noise floor."""
 
-    Parameters
-    ----------
-    z
-        (K,) residuals [noise floor].
-    replicates
-        (B, K) the hypothesis against itself [noise floor].
-    scale
-        (K,) this noise floor over the simulator's own, at least 1.
-    """
-
-    z: NDArray[np.float64]
-    replicates: NDArray[np.float64]
-    scale: NDArray[np.float64]
+    z: NDArray[np.float64]  # (K,) residuals [noise floor]
+    replicates: NDArray[np.float64]  # (B, K) the hypothesis against itself [noise floor]
+    scale: NDArray[np.float64]  # (K,) this noise floor over the simulator's own, at least 1
 
 
 class Evidence(Protocol):

@@ -50,12 +50,7 @@ class ImageEvidence:
     explanation so far asks for, at which the expectation really is moved, blurred and lit, before any effect
     acts on it; see `renuisanced`.
 
-    Parameters
-    ----------
-    seed
-        Seeds the noise of the simulations.
-    replicates
-        Simulations the noise floor is made of.
+    `replicates`: simulations the noise floor is made of.
     """
 
     def __init__(self, capture: RealCapture, seed: int, replicates: int = N_NULL_REPLICATES):
@@ -95,7 +90,6 @@ class ImageEvidence:
 
     @property
     def left_out(self) -> list[str]:
-        """Statistics that could not be taken."""
         return self._taken.left_out
 
     def nuisances(self, effects: Sequence[PlacedEffect]) -> dict[str, Any]:
@@ -199,7 +193,6 @@ class ImageEvidence:
         return {term: float(likely[names.index(term)]) for term in POSE_TERMS}
 
     def _at(self, nu: NDArray[np.float64]) -> ImageEvidence:
-        """The evidence with the expectation at other nuisances."""
         moved = copy(self)
         for name in ("_marginal", "null_replicates"):
             moved.__dict__.pop(name, None)
@@ -209,13 +202,11 @@ class ImageEvidence:
         return moved
 
     def _expecting(self, nu: NDArray[np.float64]) -> MovedExpectation:
-        """What the capture gives with the expectation at other nuisances."""
         there = self._simulations.expecting(disturbed(self.capture, self._freedoms, nu))
         draws = np.stack([there.of((), draw) for draw in range(_BASE_DRAWS)])
         return MovedExpectation(there, there.real(), draws)
 
     def _better_of(self, moved: ImageEvidence, effects: Sequence[PlacedEffect]) -> ImageEvidence:
-        """The other where it leaves less, prior included; much less where no effect was found yet."""
         if moved is self:
             return self
         least = 1.0 if effects else BETTER
@@ -226,7 +217,6 @@ class ImageEvidence:
 
     @cached_property
     def _marginal(self) -> Marginal:
-        """How the numbers move with the nuisances."""
         return self._there.marginal(self._freedoms, self._simulated_marginal)
 
     def _simulated_marginal(self) -> Marginal:

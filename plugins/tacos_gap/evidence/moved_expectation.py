@@ -21,19 +21,11 @@ _KEPT = 4
 
 @dataclass(frozen=True, eq=False)
 class MovedExpectation:
-    """A capture with its expectation at some nuisances.
-
-    Parameters
-    ----------
-    real
-        (K,) the statistics of its real frames against the expectation.
-    base_draws
-        (B, K) those of simulations without effects, draw by draw.
-    """
+    """A capture with its expectation at some nuisances."""
 
     simulations: SimulatedStatistics
-    real: NDArray[np.float64]
-    base_draws: NDArray[np.float64]
+    real: NDArray[np.float64]  # (K,) the statistics of its real frames against the expectation
+    base_draws: NDArray[np.float64]  # (B, K) those of simulations without effects, draw by draw
     _marginals: dict[tuple[float, ...], Marginal] = field(default_factory=dict, repr=False)
 
     def marginal(self, freedoms: Sequence[Freedom], make: Callable[[], Marginal]) -> Marginal:

@@ -37,8 +37,6 @@ class SimulatedStatistics:
 
     Parameters
     ----------
-    capture
-        The capture: what it is measured as.
     expectation
         The same capture with what is expected of it now; `capture` itself, or one that nuisances have moved.
     taken
@@ -145,7 +143,7 @@ class SimulatedStatistics:
         return low == high == self.capture.context.black_level_dn
 
     def leaves_untouched(self, effects: Sequence[PlacedEffect]) -> bool:
-        """Whether effects on light leave this capture as it is: all of them do in the dark."""
+        """True if effects on light leave this capture as it is: all of them do in the dark."""
         if any(effect.cls.stage not in LIGHT_STAGES for effect in effects):
             return False
         if self._is_dark:
@@ -167,22 +165,12 @@ class SimulatedStatistics:
     # real -------------------------------------------------------------------------------------------------
 
     def real_blocks(self, noise_share: float | None = None, draw: int = 0) -> list[StatisticBlock]:
-        """The statistics of the real frames against the expectation.
-
-        Parameters
-        ----------
-        noise_share
-            Variance of the noise in the expectation, over that of a frame; as it is stated by default.
-        draw
-            Which draw of that noise is added to the frames.
-        """
         rng = generator(self._seed, "gap", self.capture.id, draw, "real")
         share = self.noise_share if noise_share is None else noise_share
         noisier = with_noise_of_expectation(self.capture, rng, share)
         return measure(Sample(self.capture, self.capture.real_dn, self._expected_dn, noisier))
 
     def real(self, noise_share: float | None = None, draw: int = 0) -> NDArray[np.float64]:
-        """(K,) `real_blocks` as numbers."""
         return self.taken.values(self.real_blocks(noise_share, draw))
 
     def with_noise_anew(self, draw: int) -> NDArray[np.float64]:
@@ -201,7 +189,7 @@ class SimulatedStatistics:
 
 
 def _are_alike(changed: NDArray[np.float32], frame: NDArray[np.float32]) -> bool:
-    """Whether light is what it was but for rounding; a glimpse tells most that is not."""
+    """True if light is what it was but for rounding; a glimpse tells most that is not."""
     if changed is frame:
         return True
     return all(
@@ -211,6 +199,6 @@ def _are_alike(changed: NDArray[np.float32], frame: NDArray[np.float32]) -> bool
 
 
 def _are_equal(frames: NDArray[np.float32], files: NDArray[np.uint16]) -> bool:
-    """Whether simulated frames are the files; a glimpse tells most that are not."""
+    """True if simulated frames are the files; a glimpse tells most that are not."""
     glimpse = np.array_equal(frames.reshape(-1)[::_GLIMPSE], files.reshape(-1)[::_GLIMPSE])
     return glimpse and np.array_equal(frames, files)

@@ -33,40 +33,21 @@ _PROBED = 2
 
 @dataclass(frozen=True, eq=False)
 class BoardView:
-    """Corners of a board in a picture.
+    """Corners of a board in a picture."""
 
-    Parameters
-    ----------
-    points
-        (K, 3) where they are on the board [squares].
-    corners_px
-        (K, 2) where they are seen [px].
-    """
-
-    points: NDArray[np.float32]
-    corners_px: NDArray[np.float32]
+    points: NDArray[np.float32]  # (K, 3) where they are on the board [squares]
+    corners_px: NDArray[np.float32]  # (K, 2) where they are seen [px]
 
 
 @dataclass(frozen=True, eq=False)
 class BoardFound:
-    """A board in several pictures.
+    """A board in several pictures."""
 
-    Parameters
-    ----------
-    inner_corners
-        Along its rows and columns.
-    views
-        Of the pictures that show enough of it.
-    layout
-        Of a ChArUco; None for a chessboard.
-    """
-
-    inner_corners: tuple[int, int]
+    inner_corners: tuple[int, int]  # along its rows and columns
     views: Mapping[Picture, BoardView]
-    layout: Layout | None = None
+    layout: Layout | None = None  # of a ChArUco; None for a chessboard
 
     def entry(self, square_mm: float) -> dict[str, Any]:
-        """The entry ``board`` of a capture."""
         entry: dict[str, Any] = {"inner_corners": list(self.inner_corners), "square_mm": square_mm}
         if self.layout is None:
             return entry
@@ -75,15 +56,7 @@ class BoardFound:
 
 
 def boards_of(pictures: Sequence[Picture], given: tuple[int, int] | None) -> tuple[BoardFound, ...]:
-    """The ChArUco and the chessboard that pictures show, each with its corners in them.
-
-    Parameters
-    ----------
-    pictures
-        Those that show a board.
-    given
-        Inner corners of the chessboard, where the photographer said them.
-    """
+    """The ChArUco and the chessboard that pictures show, each with its corners in them."""
     markers = {picture: picture.shown.markers for picture in pictures if picture.shown.markers is not None}
     plain = [picture for picture in pictures if picture not in markers]
     for picture in plain[:_PROBED]:  # corners of a ChArUco may be counted as those of a chessboard

@@ -44,39 +44,20 @@ _FITS = 0.15
 
 @dataclass(frozen=True, eq=False)
 class Markers:
-    """Markers in a picture.
-
-    Parameters
-    ----------
-    family
-        Of their dictionary.
-    corners_px
-        (4, 2) corners of each by its number [px].
-    """
-
     family: str
     corners_px: Mapping[int, NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
 class Layout:
-    """A ChArUco board, in squares.
+    """A ChArUco board, in squares."""
 
-    Parameters
-    ----------
-    squares
-        Along its rows and columns.
-    marker_share
-        Side of a marker over that of a square.
-    """
-
-    squares: tuple[int, int]
-    marker_share: float
+    squares: tuple[int, int]  # along its rows and columns
+    marker_share: float  # side of a marker over that of a square
     dictionary: str
     legacy: bool
 
     def board(self, square_mm: float = 1.0) -> cv2.aruco.CharucoBoard:
-        """The board as OpenCV has it."""
         dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, self.dictionary))
         board = cv2.aruco.CharucoBoard(self.squares, square_mm, self.marker_share * square_mm, dictionary)
         board.setLegacyPattern(self.legacy)
@@ -84,15 +65,7 @@ class Layout:
 
 
 def find_markers(grey: NDArray[np.uint8], family: str | None = None) -> Markers | None:
-    """The markers of the family that most in a picture are of; None with fewer than `FEWEST_MARKERS`.
-
-    Parameters
-    ----------
-    grey
-        (H, W).
-    family
-        The only one to look for.
-    """
+    """The markers of the family that most in a picture are of; None with fewer than `FEWEST_MARKERS`."""
     smooth = np.asarray(cv2.GaussianBlur(grey, (3, 3), 0), np.uint8)
     best: Markers | None = None
     for name in [family] if family else _FAMILIES:

@@ -34,60 +34,33 @@ _FOCAL, _FOCAL_35, _PLANE_X, _PLANE_UNIT, _WIDTH = 0x920A, 0xA405, 0xA20E, 0xA21
 
 @dataclass(frozen=True)
 class Facts:
-    """What a file says; None where it does not.
-
-    Parameters
-    ----------
-    camera
-        Make and model; empty if unknown.
-    exposure_ms, f_number, focal_length_mm, iso
-        As the camera wrote them [ms, 1, mm, 1].
-    pixel_um
-        Pitch of the file's pixels on the sensor [um].
-    orientation
-        EXIF's: 1 for files that stand as the sensor does.
-    taken
-        Date and time, as written, to sort by.
-    software
-        What wrote the file.
-    lossy, raw
-        Whether the file is compressed with loss; whether it holds the sensor's own samples.
-    black_level_dn, white_level_dn, cfa
-        Of a RAW file.
-    gain_db
-        Gain, as the name of the file says it [dB].
-    time_from
-        What says the exposure time, if not the camera: the name of the file, or a table.
-    kind
-        Dark or flat, as the name of the file or a table says.
-    """
+    """What a file says; None where it does not."""
 
     camera: str = ""
     exposure_ms: float | None = None
+    """With f_number and focal_length_mm and iso: as the camera wrote them [ms, 1, mm, 1]."""
     f_number: float | None = None
     focal_length_mm: float | None = None
     iso: float | None = None
-    pixel_um: float | None = None
-    orientation: int = 1
+    pixel_um: float | None = None  # pitch of the file's pixels on the sensor [um]
+    orientation: int = 1  # EXIF's: 1 for files that stand as the sensor does
     taken: str = ""
-    software: str = ""
+    software: str = ""  # what wrote the file
     lossy: bool = False
+    """With raw: whether the file is compressed with loss; whether it holds the sensor's own samples."""
     raw: bool = False
     black_level_dn: float | None = None
     white_level_dn: float | None = None
     cfa: str | None = None
-    gain_db: float | None = None
-    time_from: str = ""
-    kind: str | None = None
+    gain_db: float | None = None  # gain, as the name of the file says it [dB]
+    time_from: str = ""  # what says the exposure time, if not the camera: the name of the file, or a table
+    kind: str | None = None  # dark or flat, as the name of the file or a table says
 
 
 def read_facts(path: Path) -> Facts:
     """What a file says of itself: EXIF, the header of a RAW file, at last its name.
 
-    Raises
-    ------
-    UserError
-        When it cannot be read.
+    Raises UserError when it cannot be read.
     """
     said, size_px = _of_raw(path) if path.suffix.lower() in RAW_SUFFIXES else ({}, None)
     if path.suffix.lower() != ".npy":
@@ -193,7 +166,6 @@ def _text(value: Any) -> str:
 
 
 def _of_raw(path: Path) -> tuple[dict[str, Any], tuple[int, int]]:
-    """What the header of a RAW file says, and its width and height."""
     with opened_raw(path, str(path)) as raw:
         other = getattr(raw, "other", None)  # since rawpy 0.22; EXIF says the same of most cameras
         said = {
@@ -216,10 +188,7 @@ def _of_raw(path: Path) -> tuple[dict[str, Any], tuple[int, int]]:
 def _bayer_pattern(raw: Any, path: Path) -> str | None:
     """The filters of a RAW file's mosaic from its corner on; None where there are none.
 
-    Raises
-    ------
-    UserError
-        When they are those of another mosaic, which would be taken for a pattern of the pixels.
+    Raises UserError when they are those of another mosaic, which would be taken for a pattern of the pixels.
     """
     try:
         pattern = raw.raw_pattern

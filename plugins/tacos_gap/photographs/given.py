@@ -25,17 +25,6 @@ FILTERS = ("RGGB", "BGGR", "GRBG", "GBRG")
 class Given:
     """What the photographer says of camera and board; None leaves it to the files.
 
-    Parameters
-    ----------
-    pixel_um, focal_length_mm, black_level_dn, bit_depth, cfa
-        As in ``captures.yaml``.
-    inner_corners
-        Of the board, along its rows and columns.
-    square_mm
-        Side of its squares [mm].
-    kinds, exposures_ms
-        Of pictures, by their names.
-
     Raises
     ------
     UserError
@@ -43,13 +32,14 @@ class Given:
     """
 
     pixel_um: float | None = None
+    """With focal_length_mm and black_level_dn and bit_depth and cfa: as in ``captures.yaml``."""
     focal_length_mm: float | None = None
     black_level_dn: float | None = None
     bit_depth: int | None = None
     cfa: str | None = None
-    inner_corners: tuple[int, int] | None = None
+    inner_corners: tuple[int, int] | None = None  # of the board, along its rows and columns
     square_mm: float | None = None
-    kinds: Mapping[str, str] = field(default_factory=dict)
+    kinds: Mapping[str, str] = field(default_factory=dict)  # with exposures_ms: of pictures, by their names
     exposures_ms: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -64,24 +54,12 @@ class Given:
 
 @dataclass(frozen=True)
 class Guess:
-    """What the import takes for true although nothing says it.
+    """What the import takes for true although nothing says it."""
 
-    Parameters
-    ----------
-    text
-        What is taken, why, and what else it may be.
-    key
-        The field of `Given` that settles it; empty where a file has to.
-    assumed
-        What is taken, as an answer would say it.
-    pictures
-        The names of the pictures that a kind or a time is guessed of.
-    """
-
-    text: str
-    key: str = ""
+    text: str  # what is taken, why, and what else it may be
+    key: str = ""  # the field of `Given` that settles it; empty where a file has to
     assumed: str = ""
-    pictures: tuple[str, ...] = ()
+    pictures: tuple[str, ...] = ()  # the names of the pictures that a kind or a time is guessed of
 
 
 def asked(
@@ -89,12 +67,7 @@ def asked(
 ) -> Given:
     """What was given, with the answers of the photographer; an empty answer leaves a guess.
 
-    Parameters
-    ----------
-    ask
-        Gives the answer to a question; `EOFError` ends the questions.
-    tell
-        Prints a line.
+    `ask`: gives the answer to a question; `EOFError` ends the questions.
     """
     for guess in guesses:
         if not guess.key:
@@ -133,13 +106,7 @@ def _with_answer(given: Given, guess: Guess, answer: str) -> Given:
 
 
 def corners_of(text: str, where: str = "--board") -> tuple[int, int]:
-    """The two numbers of ``9x6``.
-
-    Raises
-    ------
-    UserError
-        When it is no board.
-    """
+    """The two numbers of ``9x6``. Raises UserError when it is no board."""
     first, _, second = text.lower().partition("x")
     if not (first.isdecimal() and second.isdecimal() and min(int(first), int(second)) >= 3):
         expected = "9x6: inner corners along rows and columns, 3 at least"

@@ -14,23 +14,14 @@ FEWEST_TIMES = 2
 
 @dataclass(frozen=True, eq=False)
 class Stack:
-    """Pictures of one thing under one setting.
+    """Pictures of one thing under one setting."""
 
-    Parameters
-    ----------
-    kind
-        Of the capture they become.
-    group
-        Name of the bracket they are of.
-    """
-
-    kind: str
+    kind: str  # of the capture they become
     pictures: list[Picture] = field(default_factory=list)
-    group: str | None = None
+    group: str | None = None  # name of the bracket they are of
 
     @property
     def first(self) -> Picture:
-        """The first of its pictures."""
         return self.pictures[0]
 
 
@@ -89,7 +80,7 @@ def _with_brackets(stacks: Sequence[Stack]) -> list[Stack]:
 
 
 def _continues(members: Sequence[Stack], stack: Stack) -> bool:
-    """Whether a stack shows the view of a series, at a time that the series has not."""
+    """True if a stack shows the view of a series, at a time that the series has not."""
     times = {member.first.facts.exposure_ms for member in members}
     return stack.first.facts.exposure_ms not in times and _one_view(members[-1], stack)
 
@@ -104,7 +95,7 @@ def _one_view(first: Stack, second: Stack) -> bool:
 
 
 def _brighter_with_time(a: Picture, b: Picture) -> bool:
-    """Whether two walls are as bright as their times, so that the lamp was left alone; curves bend ratios."""
+    """True if two walls are as bright as their times, so that the lamp was left alone; curves bend ratios."""
     short, long = sorted((a, b), key=lambda picture: picture.facts.exposure_ms or 0.0)
     return long.shown.level > 1.02 * short.shown.level
 

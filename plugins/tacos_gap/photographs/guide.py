@@ -21,21 +21,11 @@ WIDTH = 100
 
 @dataclass(frozen=True)
 class Step:
-    """One thing to photograph.
-
-    Parameters
-    ----------
-    kind
-        Of the captures it makes.
-    minutes
-        What it takes [min].
-    what, how, tells
-        What to photograph; how, a sentence each; what it tells.
-    """
+    """One thing to photograph."""
 
     kind: str
-    minutes: int
-    what: str
+    minutes: int  # what it takes [min]
+    what: str  # with how and tells: what to photograph; how, a sentence each; what it tells
     how: tuple[str, ...]
     tells: str
 
@@ -133,10 +123,7 @@ def whole_round() -> Iterator[str]:
 def for_effect(name: str, effects: Mapping[str, type[Any]]) -> Iterator[str]:
     """Lines that say what shows an effect, and what tells it from others.
 
-    Raises
-    ------
-    UserError
-        When there is no such effect.
+    Raises UserError when there is no such effect.
     """
     name = name.removeprefix("effect.")
     if name not in effects:
@@ -162,17 +149,7 @@ def for_effect(name: str, effects: Mapping[str, type[Any]]) -> Iterator[str]:
 def for_diagnosis(path: Path, effects: Mapping[str, type[Any]]) -> Iterator[str]:
     """Lines that say what would settle what a diagnosis left open.
 
-    Parameters
-    ----------
-    path
-        A ``diagnosis.json``, or the folder it lies in.
-    effects
-        The classes of all effects by name.
-
-    Raises
-    ------
-    UserError
-        When it is no diagnosis.
+    Raises UserError when it is no diagnosis.
     """
     found = _diagnosis(path / DIAGNOSIS if path.is_dir() else path)
     wanted = found.get("next_capture")
@@ -202,7 +179,6 @@ def _diagnosis(path: Path) -> dict[str, Any]:
 
 
 def _not_diagnosed(folder: Path) -> Fault:
-    """That a folder holds no diagnosis, and how it comes to one."""
     remedy = nothing_to_read(folder).remedy
     if (folder / FILE).is_file():
         asked = shlex.quote(f"captures={folder}")
@@ -224,7 +200,6 @@ def _alike(name: str, effects: Mapping[str, type[Any]]) -> Iterator[tuple[str, s
 
 
 def _steps(text: str) -> Iterator[str]:
-    """The steps whose kind is named in a text."""
     words = set(re.findall(r"[a-z]+", text))
     for step in STEPS:
         if step.kind in words or f"{step.kind}s" in words:

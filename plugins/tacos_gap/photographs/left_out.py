@@ -38,12 +38,8 @@ def left_out(reasons: Iterable[tuple[str, str]]) -> list[str]:
 def why_unreadable(given_name: str, shown_name: str, fault: Fault) -> str:
     """A fault of a file, as what is said of it, with what to do.
 
-    Parameters
-    ----------
-    given_name, shown_name
-        The file's name on the disk, which the fault calls it by, and the one that can be printed.
-    fault
-        What is wrong with it.
+    `given_name`, `shown_name`: the file's name on the disk, which the fault calls it by, and the one that can
+    be printed. `fault`: what is wrong with it.
     """
     what = fault.what.removeprefix(f"{given_name} ")
     if what == fault.what:  # not said of the file itself

@@ -21,10 +21,7 @@ def looked_at(
 
     Beside them sentences on the files that cannot be read.
 
-    Raises
-    ------
-    UserError
-        With what is wrong with every file, when none of them can be read.
+    Raises UserError with what is wrong with every file, when none of them can be read.
     """
     pictures: list[Picture] = []
     faults: list[tuple[Path, Fault]] = []

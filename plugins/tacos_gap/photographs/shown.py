@@ -50,46 +50,23 @@ _SIDES = 0.85
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """What a picture shows.
+    """What a picture shows."""
 
-    Parameters
-    ----------
-    kind
-        dark, flat, board, chart, edge or scene.
-    thumbnail
-        Small picture of even mean and spread, by which framings are compared.
-    level
-        Middle value over full scale.
-    sharpness
-        Energy of the finest detail over that of the picture: falls when the focus moves.
-    corners
-        Inner corners (columns, rows) that OpenCV counted on a chessboard; more or fewer where it is cut off.
-    markers
-        Those of a ChArUco board.
-    doubt
-        What is uncertain of it, to stand behind its name; empty if nothing is.
-    """
-
-    kind: str
-    thumbnail: NDArray[np.float32]
-    level: float
-    sharpness: float
+    kind: str  # dark, flat, board, chart, edge or scene
+    thumbnail: NDArray[np.float32]  # small picture of even mean and spread, by which framings are compared
+    level: float  # middle value over full scale
+    sharpness: float  # energy of the finest detail over that of the picture: falls when the focus moves
     corners: tuple[int, int] | None = None
-    markers: Markers | None = None
-    doubt: str = ""
+    """Inner corners (columns, rows) that OpenCV counted on a chessboard; more or fewer where it is cut
+    off."""
+    markers: Markers | None = None  # those of a ChArUco board
+    doubt: str = ""  # what is uncertain of it, to stand behind its name; empty if nothing is
 
 
 def shown_in(image: NDArray[np.floating], black_dn: float, white_dn: float, cfa: str | None = None) -> Shown:
     """Look at a picture.
 
-    Parameters
-    ----------
-    image
-        (H, W, C) file values; a mosaic is looked at by its means of two by two [DN].
-    black_dn, white_dn
-        Levels of the file, as far as they are known [DN].
-    cfa
-        Filters of a mosaic, where they are known.
+    `image`: (H, W, C) file values; a mosaic is looked at by its means of two by two [DN].
     """
     above = np.maximum(np.asarray(image, np.float32) - np.float32(black_dn), 0)
     signal = above / np.float32(white_dn - black_dn)
@@ -121,7 +98,7 @@ def shown_in(image: NDArray[np.floating], black_dn: float, white_dn: float, cfa:
 
 
 def repeated(first: Shown, second: Shown) -> bool:
-    """Whether two pictures differ by their noise alone: same view, same light, same focus."""
+    """True if two pictures differ by their noise alone: same view, same light, same focus."""
     even = first.kind == second.kind and first.kind in ("dark", "flat")
     a, b = (_coarse(each.thumbnail) if even else each.thumbnail for each in (first, second))
     steady = _STEADY * max(float(a.mean()), DARK_SHARE)
@@ -133,14 +110,12 @@ def repeated(first: Shown, second: Shown) -> bool:
 
 
 def same_shading(first: Shown, second: Shown, *, through_a_curve: bool = False) -> bool:
-    """Whether two walls are shaded alike from side to side, so that neither lamp nor camera were turned.
+    """True if two walls are shaded alike from side to side, so that neither lamp nor camera were turned.
 
     What differs from row to row alone is left to the lamp: it flickers while rows are read out.
 
-    Parameters
-    ----------
-    through_a_curve
-        Whether their levels differ, so that a tone curve or a pedestal gives their shading other powers.
+    `through_a_curve`: true if their levels differ, so that a tone curve or a pedestal gives their shading
+    other powers.
     """
     a, b = first.thumbnail, second.thumbnail
     seen = (np.maximum(a, b) < _CLIPPED).all(axis=0)
@@ -158,7 +133,7 @@ def same_shading(first: Shown, second: Shown, *, through_a_curve: bool = False) 
 
 
 def same_framing(first: Shown, second: Shown) -> bool:
-    """Whether two pictures show the same view, however bright: their ranks agree, and nothing has moved."""
+    """True if two pictures show the same view, however bright: their ranks agree, and nothing has moved."""
     dim = min(first.level, second.level) < DARK_SHARE
     a, b = (_ranks(_averaged(each.thumbnail) if dim else each.thumbnail) for each in (first, second))
     return float(np.corrcoef(a, b)[0, 1]) > 0.9

@@ -27,15 +27,8 @@ _NAMED = 3
 def pictures_in(sources: Sequence[Path]) -> tuple[list[Path], list[Path], list[str]]:
     """Files of pictures, each once; other files; sentences on pictures that were passed over.
 
-    Parameters
-    ----------
-    sources
-        Files and folders, searched through. What is hidden, or left there by a system, counts for nothing.
-
-    Raises
-    ------
-    UserError
-        When a source is not there, or all of them hold no picture.
+    `sources`: files and folders, searched through. What is hidden, or left there by a system, counts for
+    nothing. Raises UserError when a source is not there, or all of them hold no picture.
     """
     missing = [
         Fault(str(source), "is neither a file nor a folder", "pictures, or a folder of them")

@@ -13,7 +13,6 @@ from tacos_gap.report.words import captures_in_words
 
 
 def summary(imported: Imported) -> Iterator[str]:
-    """A line per capture, what was read of the camera, the doubts, and what to type next."""
     folder = imported.path.parent
     kinds = Counter(entry["kind"] for entry in imported.entries)
     said = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
@@ -52,7 +51,6 @@ def _is_number(value: Any) -> bool:
 
 
 def _line(entry: Mapping[str, Any]) -> str:
-    """A capture: its name, files and settings."""
     files = [name.rpartition("/")[2] for name in entry["real"]]
     shown = files[0] if len(files) == 1 else f"{files[0]} ... {files[-1]} ({len(files)} frames)"
     settings = [f"{entry['exposure_ms']:g} ms"] if "exposure_ms" in entry else []

@@ -43,43 +43,25 @@ _ISO, _GAIN, _F_NUMBER = (
 
 @dataclass(frozen=True)
 class Row:
-    """What a table says of one picture; None where it does not.
-
-    Parameters
-    ----------
-    time
-        Its number for the exposure time, before any unit but those of the cell itself.
-    ms_per_unit
-        What the number counts, where cell or heading say it [ms]; None leaves it open.
-    iso, gain_db, f_number
-        [1, dB, 1].
-    kind
-        Dark or flat.
-    """
+    """What a table says of one picture; None where it does not."""
 
     time: float | None = None
+    """Its number for the exposure time, before any unit but those of the cell itself."""
     ms_per_unit: float | None = None
-    iso: float | None = None
+    """What the number counts, where cell or heading say it [ms]; None leaves it open."""
+    iso: float | None = None  # with gain_db and f_number: [1, dB, 1]
     gain_db: float | None = None
     f_number: float | None = None
-    kind: str | None = None
+    kind: str | None = None  # dark or flat
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table of pictures.
-
-    Parameters
-    ----------
-    rows
-        By the picture's file.
-    named
-        Whether the table names its files, rather than listing numbers in their order.
-    """
+    """A table of pictures."""
 
     path: Path
-    rows: Mapping[Path, Row]
-    named: bool
+    rows: Mapping[Path, Row]  # by the picture's file
+    named: bool  # whether the table names its files, rather than listing numbers in their order
 
 
 def tables_among(others: Sequence[Path], pictures: Sequence[Path]) -> list[Table]:

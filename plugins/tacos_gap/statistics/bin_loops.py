@@ -12,14 +12,7 @@ from tacos_plugins.compiled.loops import compiled
 def add_up(bins: NDArray[np.int32], image: NDArray[np.float32], sums: NDArray[np.float64]) -> None:
     """Add the pixels of an image to the sums of their bins.
 
-    Parameters
-    ----------
-    bins
-        (H, W) the bin of each pixel, from 0 on.
-    image
-        (H, W) values, a channel of an image perhaps.
-    sums
-        (B,) to which they are added.
+    `bins`: (H, W) the bin of each pixel, from 0 on. `sums`: (B,) to which they are added.
     """
     for row in range(image.shape[0]):
         for column in range(image.shape[1]):

@@ -57,24 +57,13 @@ def blemish_statistics(sample: Sample) -> Iterator[StatisticBlock]:
 
 @dataclass(frozen=True, eq=False)
 class _Looked:
-    """Where blemishes of a size are looked for.
+    """Where blemishes of a size are looked for."""
 
-    Parameters
-    ----------
-    size_px
-        What is wider than the one and narrower than the other.
-    around
-        (h, w, 1) share of the square around each cell that is even, for either size.
-    counted
-        (h, w, 1) 1 of cells that count, else 0.
-    places
-        (M,) flat indices of those.
-    """
-
-    size_px: tuple[int, int]
+    size_px: tuple[int, int]  # what is wider than the one and narrower than the other
     around: tuple[NDArray[np.float32], NDArray[np.float32]]
-    counted: NDArray[np.float32]
-    places: NDArray[np.int64]
+    """(h, w, 1) share of the square around each cell that is even, for either size."""
+    counted: NDArray[np.float32]  # (h, w, 1) 1 of cells that count, else 0
+    places: NDArray[np.int64]  # (M,) flat indices of those
 
     @classmethod
     def of(cls, whole: NDArray[np.float32], size_px: tuple[int, int]) -> _Looked:

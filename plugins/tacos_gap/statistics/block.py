@@ -21,25 +21,15 @@ from tacos_plugins.effects.darks import ROUNDING_DN, isolated, middle_and_spread
 
 @dataclass(frozen=True, eq=False)
 class StatisticBlock:
-    """Numbers of one statistic.
+    """Numbers of one statistic."""
 
-    Parameters
-    ----------
-    statistic
-        Its name, e.g. ``"relative_illumination"``.
-    stage
-        The stage of image formation that shows in it most often.
-    at
-        For each number where it was taken: ``{"radius": [0.7, 1.0]}``, ``{"channel": "R"}``.
-    margin
-        Equivalence margin: smaller differences are negligible, however significant; a number or one each.
-    """
-
-    statistic: str
-    stage: str
+    statistic: str  # its name, e.g. ``"relative_illumination"``
+    stage: str  # the stage of image formation that shows in it most often
     values: NDArray[np.float64]
     at: Sequence[Mapping[str, Any]]
+    """For each number where it was taken: ``{"radius": [0.7, 1.0]}``, ``{"channel": "R"}``."""
     margin: NDArray[np.float64] | float
+    """Equivalence margin: smaller differences are negligible, however significant; a number or one each."""
 
 
 class Sample:
@@ -48,15 +38,8 @@ class Sample:
     What bins and tiles are made of comes from the expectation alone, so that real and simulated frames are
     measured alike.
 
-    Parameters
-    ----------
-    frames_dn
-        (N, H, W, C) the frames [DN].
-    expected_dn
-        (1 or N, H, W, C) what they are compared with [DN].
-    noisier_dn
-        (N, H, W, C) the frames with noise added, as `expected_dn` holds noise of its own (see
-        `tacos_gap.nuisances.noisy_expectation`): what is measured but codes and codecs [DN].
+    `noisier_dn`: (N, H, W, C) the frames with noise added, as `expected_dn` holds noise of its own (see
+    `tacos_gap.nuisances.noisy_expectation`): what is measured but codes and codecs [DN].
     """
 
     def __init__(
@@ -110,7 +93,7 @@ class Sample:
 
     @property
     def repeats(self) -> bool:
-        """Whether several frames show the same, so that noise and fixed patterns come apart."""
+        """True if several frames show the same, so that noise and fixed patterns come apart."""
         return len(self.frames) > 1 and len(self.expected) == 1
 
     @cached_property
@@ -167,12 +150,10 @@ class Sample:
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """Names of the channels."""
         return ("R", "G", "B") if self.frames.shape[-1] == 3 else ("mono",)
 
     @property
     def valid(self) -> NDArray[np.bool_]:
-        """(H, W) pixels that count."""
         return self.capture.valid
 
 

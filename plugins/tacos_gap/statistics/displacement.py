@@ -72,7 +72,7 @@ def displacement_statistics(sample: Sample) -> Iterator[StatisticBlock]:
 
 
 def has_texture(capture: RealCapture) -> bool:
-    """Whether a structured capture is large enough and has tiles with texture."""
+    """True if a structured capture is large enough and has tiles with texture."""
     return min(capture.valid.shape) >= _LEAST_SIDE_PX and bool(textured_tiles(capture).parts)
 
 
@@ -101,10 +101,7 @@ def _displacements(
     least squares on the mean slope of both pictures (Lucas & Kanade 1981), right but for the third power of
     half a pixel. Pictures are smoothed by binomials, which even out a mosaic.
 
-    Parameters
-    ----------
-    begun
-        (2, T) guesses, asked for where tiles are not found within half a pixel of what is expected [px].
+    `begun`: (2, T) guesses, asked for where tiles are not found within half a pixel of what is expected [px].
     """
     textured = textured_tiles(sample.capture)
     expected = _reference(sample, channel)
@@ -127,12 +124,8 @@ def _as_far_as_seen(
 ) -> NDArray[np.float64]:
     """(2, T) moves less what leads along an edge, where any is as good as none [px].
 
-    Parameters
-    ----------
-    moves
-        (2, T) moves [px].
-    slopes
-        (2, P) slopes in x and y of what is expected; their squares say along which axes moves are seen.
+    `moves`: (2, T) moves [px]. `slopes`: (2, P) slopes in x and y of what is expected; their squares say
+    along which axes moves are seen.
     """
     squares = np.array([[textured.sums(a * b) for b in slopes] for a in slopes])
     squares = np.moveaxis(squares, -1, 0) / np.maximum(squares[0, 0] + squares[1, 1], 1e-9)[:, None, None]
@@ -159,21 +152,11 @@ def _moved(
 
 @dataclass(frozen=True, eq=False)
 class _Reference:
-    """What frames are held against.
+    """What frames are held against."""
 
-    Parameters
-    ----------
-    of
-        (N, H, W, C) the expectation that it was made of.
-    images
-        (3, H, W) it smoothed, and its slopes in x and y.
-    pixels
-        (3, P) those of tiles; see `TexturedTiles.centred`.
-    """
-
-    of: NDArray[np.float32]
-    images: NDArray[np.float32]
-    pixels: NDArray[np.float64]
+    of: NDArray[np.float32]  # (N, H, W, C) the expectation that it was made of
+    images: NDArray[np.float32]  # (3, H, W) it smoothed, and its slopes in x and y
+    pixels: NDArray[np.float64]  # (3, P) those of tiles; see `TexturedTiles.centred`
 
 
 _REFERENCES: WeakKeyDictionary[RealCapture, dict[int, _Reference]] = WeakKeyDictionary()

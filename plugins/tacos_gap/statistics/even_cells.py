@@ -31,24 +31,12 @@ def _in_cells(image: NDArray[np.float32]) -> NDArray[np.float32]:
 
 @dataclass(frozen=True, eq=False)
 class EvenCells:
-    """What of a capture is even, in cells of `CELL_PX`.
+    """What of a capture is even, in cells of `CELL_PX`."""
 
-    Parameters
-    ----------
-    whole
-        (h, w, 1) 1 of cells that are even as a whole, else 0.
-    smooth
-        (h w, T) terms of smooth light in those cells.
-    estimator
-        (T, k) least squares of them, from the cells `few`.
-    few
-        (k,) flat indices of cells.
-    """
-
-    whole: NDArray[np.float32]
-    smooth: NDArray[np.float32]
-    estimator: NDArray[np.float32]
-    few: NDArray[np.int64]
+    whole: NDArray[np.float32]  # (h, w, 1) 1 of cells that are even as a whole, else 0
+    smooth: NDArray[np.float32]  # (h w, T) terms of smooth light in those cells
+    estimator: NDArray[np.float32]  # (T, k) least squares of them, from the cells `few`
+    few: NDArray[np.int64]  # (k,) flat indices of cells
 
     @classmethod
     def of(cls, capture: RealCapture) -> EvenCells:

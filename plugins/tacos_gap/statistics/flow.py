@@ -61,10 +61,7 @@ def smooth_field(places: NDArray[np.float64], flow: NDArray[np.float64]) -> NDAr
 def dense_flow(sample: Sample, frames: NDArray[np.float32], channel: int) -> NDArray[np.float32]:
     """Flow from the expectation to frames (Kroeger et al. 2016, DIS), (H, W, 2) [px].
 
-    Parameters
-    ----------
-    frames
-        (H, W, C) what is looked at [DN].
+    `frames`: (H, W, C) what is looked at [DN].
     """
     import cv2
 

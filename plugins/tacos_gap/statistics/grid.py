@@ -38,24 +38,13 @@ two pixels apart differ by two thirds of it only, as their windows overlap."""
 
 @dataclass(frozen=True, eq=False)
 class Bins:
-    """Bins of an image.
+    """Bins of an image."""
 
-    Parameters
-    ----------
-    index
-        (H, W) the bin each pixel is in; -1 for none.
-    at
-        What each bin is.
-    count
-        (B,) its pixels; not a number where there is none.
-    kept
-        (B,) its number among those that were made, before those with too few pixels were left out.
-    """
-
-    index: NDArray[np.int64]
-    at: Sequence[Mapping[str, Any]]
+    index: NDArray[np.int64]  # (H, W) the bin each pixel is in; -1 for none
+    at: Sequence[Mapping[str, Any]]  # what each bin is
     count: NDArray[Any]
     kept: NDArray[np.int64]
+    """(B,) its number among those that were made, before those with too few pixels were left out."""
     _parts: dict[bytes, Bins] = field(default_factory=dict, repr=False)
 
     def mean(self, image: NDArray[np.floating]) -> NDArray[np.float64]:
@@ -219,7 +208,7 @@ LEAST_EVEN = 2000
 
 
 def has_even_areas(capture: RealCapture) -> bool:
-    """Whether enough of the expectation is free of edges to see fixed patterns, or noise in one frame."""
+    """True if enough of the expectation is free of edges to see fixed patterns, or noise in one frame."""
     return int(np.count_nonzero(smooth_areas(capture) & capture.valid)) >= LEAST_EVEN
 
 

@@ -1,8 +1,3 @@
-"""Means over frames, channels, rows and columns as products of matrices.
-
-numpy adds up along a short or a middle axis an order of magnitude more slowly.
-"""
-
 from __future__ import annotations
 
 from functools import lru_cache

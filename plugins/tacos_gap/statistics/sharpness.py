@@ -50,7 +50,7 @@ def sharpness_statistics(sample: Sample) -> Iterator[StatisticBlock]:
 
 
 def has_detail(capture: RealCapture) -> bool:
-    """Whether a structured capture has a tile with detail."""
+    """True if a structured capture has a tile with detail."""
     return _layout(capture) is not None
 
 

@@ -23,12 +23,7 @@ def levels_of_frames(capture: RealCapture, row_means_dn: NDArray[np.float32]) ->
 
     At most `WAVER` off 1.
 
-    Parameters
-    ----------
-    capture
-        Whose frames they are.
-    row_means_dn
-        (N, H, C) means of the rows of the frames, pixels that do not count being 0 [DN].
+    `row_means_dn`: (N, H, C) means of the rows of the frames, pixels that do not count being 0 [DN].
     """
     if capture.kind == "dark":
         return np.ones((len(row_means_dn), 1, row_means_dn.shape[-1]), np.float32)
@@ -44,14 +39,8 @@ def in_steady_light(
 ) -> NDArray[np.float32]:
     """Values of each frame over the level of its light, above the pedestal [DN].
 
-    Parameters
-    ----------
-    capture
-        Whose frames they are.
-    values_dn
-        (N, H, W, C) pixels of the frames, or (N, H or W, C) means of their lines [DN].
-    levels
-        (N, 1, C) see `levels_of_frames`.
+    `values_dn`: (N, H, W, C) pixels of the frames, or (N, H or W, C) means of their lines [DN]. `levels`: (N,
+    1, C) see `levels_of_frames`.
     """
     black = np.float32(capture.context.black_level_dn)
     over = 1 / (levels if values_dn.ndim == 3 else levels[:, :, None])

@@ -15,22 +15,13 @@ from tacos_gap.statistics import StatisticBlock
 
 @dataclass(frozen=True, eq=False)
 class TakenStatistics:
-    """Which numbers are taken of a capture.
+    """Which numbers are taken of a capture."""
 
-    Parameters
-    ----------
-    blocks
-        As its real frames gave them.
-    kept
-        (K,) which of their numbers count: those that every simulation gives, too.
-    """
-
-    blocks: Sequence[StatisticBlock]
-    kept: NDArray[np.bool_]
+    blocks: Sequence[StatisticBlock]  # as its real frames gave them
+    kept: NDArray[np.bool_]  # (K,) which of their numbers count: those that every simulation gives, too
 
     @classmethod
     def of(cls, blocks: Sequence[StatisticBlock]) -> TakenStatistics:
-        """All numbers of the real frames that are finite."""
         return cls(blocks, np.isfinite(_concatenated([block.values for block in blocks])))
 
     def values(self, blocks: Sequence[StatisticBlock]) -> NDArray[np.float64]:
@@ -52,7 +43,6 @@ class TakenStatistics:
 
     @property
     def left_out(self) -> list[str]:
-        """Statistics of which some number is not taken."""
         return list(
             dict.fromkeys(name for (name, _), kept in zip(self._keys, self.kept, strict=True) if not kept)
         )

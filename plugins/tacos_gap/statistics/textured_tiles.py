@@ -25,15 +25,7 @@ _TEXTURED = 0.02
 
 @dataclass(frozen=True, eq=False)
 class TexturedTiles:
-    """Textured pixels, tile by tile.
-
-    Parameters
-    ----------
-    parts
-        The pixels of each tile, as flat indices.
-    at
-        What each tile is.
-    """
+    """Textured pixels, tile by tile. `parts`: the pixels of each tile, as flat indices."""
 
     parts: Sequence[NDArray[np.int64]]
     at: Sequence[Mapping[str, Any]]

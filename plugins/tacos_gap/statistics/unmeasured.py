@@ -23,7 +23,7 @@ def nothing_seen(capture: RealCapture) -> str | None:
 
 
 def is_cut_off(capture: RealCapture) -> bool:
-    """Whether all its pixels stand at one end of the files, where neither light nor noise shows.
+    """True if all its pixels stand at one end of the files, where neither light nor noise shows.
 
     A board whose corners were found shows something, whatever its pixels are.
     """

@@ -35,24 +35,12 @@ def _contrast(log_power: NDArray[np.float64]) -> NDArray[np.float64]:
 
 @dataclass(frozen=True)
 class StatisticView:
-    """How a statistic is drawn.
-
-    Parameters
-    ----------
-    title
-        What is seen, as a heading.
-    quantity
-        What is on the vertical axis, with its unit.
-    shown
-        From the statistic's values to that quantity.
-    explained
-        What a difference means, in a sentence.
-    """
+    """How a statistic is drawn."""
 
     title: str
-    quantity: str
-    shown: Shown = _same
-    explained: str = ""
+    quantity: str  # what is on the vertical axis, with its unit
+    shown: Shown = _same  # from the statistic's values to that quantity
+    explained: str = ""  # what a difference means, in a sentence
 
 
 _VIEWS = {

@@ -28,18 +28,12 @@ _BETWEEN_QUARTERS = 1.349
 
 @dataclass(frozen=True)
 class EdgeTail:
-    """How an edge rises: most of it within its core, a share outside of it.
-
-    Parameters
-    ----------
-    core_px
-        Standard deviation of a Gaussian that rises from a quarter to three quarters over the same width [px].
-    share
-        Share of the contrast that lies farther out than the core reaches, on both sides together.
-    """
+    """How an edge rises: most of it within its core, a share outside of it."""
 
     core_px: float
-    share: float
+    """Standard deviation of a Gaussian that rises from a quarter to three quarters over the same width
+    [px]."""
+    share: float  # share of the contrast that lies farther out than the core reaches, on both sides together
 
 
 def edge_tail(plane: NDArray[np.floating], edge: SlantedEdge) -> EdgeTail | None:

@@ -32,15 +32,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """One view of a board.
-
-    Parameters
-    ----------
-    points_mm, corners_px
-        (K, 3) its points [mm] and (K, 2) where they are seen [px].
-    sigma_px
-        Standard deviation that one coordinate is allowed [px].
-    """
+    """One view of a board. `sigma_px`: standard deviation that one coordinate is allowed [px]."""
 
     board: Board
     points_mm: Array
@@ -51,29 +43,15 @@ class View:
 
 @dataclass(frozen=True, eq=False)
 class Adjusted:
-    """What is left of the corners, and what was fitted to them.
+    """What is left of the corners, and what was fitted to them."""
 
-    Parameters
-    ----------
-    residuals
-        For each view (2K,), all x before all y [sigma].
-    shared
-        (S,) what the views share, in units of its prior: paper board by board, then the lens.
-    """
-
-    residuals: tuple[Array, ...]
-    shared: Array
+    residuals: tuple[Array, ...]  # for each view (2K,), all x before all y [sigma]
+    shared: Array  # (S,) what the views share, in units of its prior: paper board by board, then the lens
     poses: tuple[Pose, ...]
 
 
 class Bundle:
-    """Views of boards by one camera.
-
-    Parameters
-    ----------
-    unstated
-        What of the lens is fitted since nobody stated it: focal_length, principal_point.
-    """
+    """Views of boards by one camera."""
 
     def __init__(self, views: Sequence[View], unstated: frozenset[str] = frozenset()):
         self.views = tuple(views)

@@ -31,10 +31,6 @@ def smooth_residual(
 
     Parameters
     ----------
-    points_mm
-        (K, 3) points of the board [mm].
-    corners_px
-        (K, 2) where they are seen [px].
     centre_px
         Where about the lens is centred [px].
 

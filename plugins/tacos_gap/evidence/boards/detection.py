@@ -106,7 +106,7 @@ def _chessboard(grey: NDArray[np.uint8], size: tuple[int, int]) -> NDArray[np.fl
 
 
 def _at_a_glance(grey: NDArray[np.uint8], size: tuple[int, int]) -> bool:
-    """Whether a good view of such a chessboard is there."""
+    """True if a good view of such a chessboard is there."""
     return min(size) >= 3 and bool(cv2.findChessboardCorners(next(_sizes(grey))[0], size, flags=_FLAGS)[0])
 
 
@@ -173,7 +173,6 @@ def _level(grey: NDArray[np.uint8], square: NDArray[np.float64]) -> float:
 
 
 def _not_found(capture: RealCapture) -> str:
-    """What to do about a board that was not found."""
     board, grey = capture.board, grey_of(capture)
     assert board is not None
     columns, rows = board.inner_corners

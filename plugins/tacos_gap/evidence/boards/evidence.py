@@ -26,17 +26,8 @@ MARGIN = 1e-4
 class BoardEvidence:
     """Corners of one view of a board, beside all others.
 
-    Parameters
-    ----------
-    capture
-        A capture of kind board with its `corners`.
-    bundle, place
-        All views, and which of them this is.
-    noise_px
-        Standard deviation of its corners by detection [px].
-    null_replicates
-        (B, 2K + S) what the adjustment leaves of a noise-floor unit on every corner, and paper as it comes
-        [noise floor].
+    `noise_px`: standard deviation of its corners by detection [px]. `null_replicates`: (B, 2K + S) what the
+    adjustment leaves of a noise-floor unit on every corner, and paper as it comes [noise floor].
     """
 
     def __init__(
@@ -88,12 +79,11 @@ class BoardEvidence:
         return ReplicateResiduals(z, self.null_replicates, np.ones_like(z))
 
     def moves(self, effect: PlacedEffect) -> bool:
-        """Whether an effect moves the corners by a noise-floor unit, whatever pose may take it up."""
+        """True if an effect moves the corners by a noise-floor unit, whatever pose may take it up."""
         moved_px = traced([effect], self.capture.geometry, self.corners_px)[0] - self.corners_px
         return bool(np.mean(moved_px**2) > self.sigma_px**2)
 
     def nuisances(self, effects: Sequence[PlacedEffect]) -> dict[str, Any]:
-        """What was fitted to the view beside its pose: bent paper [mm], an unstated focal length [px]."""
         return self._bundle.nuisances(self._place, effects)
 
 
@@ -102,14 +92,7 @@ def evidence_of_boards(
 ) -> list[BoardEvidence]:
     """Evidence of all views of boards by one camera; their noise is what the views themselves show.
 
-    Parameters
-    ----------
-    captures
-        Captures of kind board with their `corners`.
-    seed
-        Seeds the noise floor.
-    replicates
-        Replicates it is made of.
+    `replicates`: replicates it is made of.
     """
     if not captures:
         return []

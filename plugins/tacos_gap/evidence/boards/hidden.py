@@ -23,11 +23,6 @@ def hidden_by_pose(
 ) -> tuple[tuple[str, ...], NextCapture | None]:
     """Effects that only boards could show and that their poses hide: no gap is no proof of none.
 
-    Parameters
-    ----------
-    effects
-        The classes of all candidates by name.
-
     Returns
     -------
     Those that declare a pose as their look-alike here, with it; and the capture that would tell. Empty
@@ -42,7 +37,7 @@ def hidden_by_pose(
 
 
 def _shows(name: str, cls: type[Any], boards: Sequence[BoardEvidence]) -> bool:
-    """Whether an effect at some initial guess changes the views, or at none moves what a pose could hide."""
+    """True if an effect at some initial guess changes the views, or at none moves what a pose could hide."""
     moves = False
     for term in initial_guesses_of(name, cls):
         placed = term.placed()

@@ -16,11 +16,6 @@ _STEP = 1e-4  # of a point's distance
 def imaged(points_mm: Array, geometry: ImageGeometry, *, derivatives: bool = True) -> tuple[Array, Array]:
     """Where a lens images points in the camera's frame.
 
-    Parameters
-    ----------
-    points_mm
-        (K, 3) points [mm].
-
     Returns
     -------
     (K, 2) places [px], and how they move with the points (2, K, 3), without `derivatives` nothing [px/mm].

@@ -19,15 +19,7 @@ LEAST_AHEAD = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """From the board's frame to the camera's.
-
-    Parameters
-    ----------
-    rotation
-        (3, 3) of points.
-    shift_mm
-        (3,) the board's origin before the camera [mm].
-    """
+    """From the board's frame to the camera's. `shift_mm`: (3,) the board's origin before the camera [mm]."""
 
     rotation: Array
     shift_mm: Array

@@ -20,7 +20,7 @@ def points_of(board: Board) -> NDArray[np.float64]:
 
 
 def looks_alike_upside_down(board: Board) -> bool:
-    """Whether nobody can tell which way up a view shows it.
+    """True if a view does not show which way up the board is.
 
     A chessboard turned by half a turn has black where white was if one of its numbers of inner corners is odd
     and the other even.
