@@ -41,7 +41,6 @@ def showable(value: Any) -> bool:
 
 
 def texts(value: Any) -> tuple[str, ...]:
-    """The texts of a list."""
     return tuple(each for each in value if isinstance(each, str)) if isinstance(value, list | tuple) else ()
 
 
@@ -51,5 +50,4 @@ def mapping(value: Any) -> Mapping[str, Any]:
 
 
 def rows(value: Any) -> Iterator[Mapping[str, Any]]:
-    """The mappings of a list."""
     return (row for row in value if isinstance(row, Mapping)) if isinstance(value, list) else iter(())

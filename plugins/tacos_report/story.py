@@ -42,7 +42,6 @@ class FailureGroup:
 
 
 def headline(study: StudyData) -> str:
-    """The answer of the study, in a sentence or two."""
     if study.designed is None:
         return "No camera was found: not one candidate could be scored."
     if study.analysis.degenerate:
@@ -139,7 +138,6 @@ def untested(study: StudyData) -> str:
 
 
 def _why_none(study: StudyData) -> str:
-    """Why no candidate of the design could be scored, as far as it is known."""
     groups = failure_groups(study.tried)
     if groups:
         return f"Most often the reason was: {groups[0].example.rstrip('.')}."
@@ -220,7 +218,6 @@ def floor_words(camera: CameraResult, eye_height_m: float, ground: str = "floor"
 
 
 def ground_words(study: StudyData, camera: CameraResult) -> str:
-    """Ground that a camera of a study sees straight ahead."""
     return floor_words(camera, study.eye_height_m, study.ground)
 
 
@@ -251,7 +248,6 @@ def chosen_words(study: StudyData) -> str:
 
 
 def size_words(study: StudyData) -> str:
-    """Cost of the study: candidates, images, time."""
     result = study.result
     parts = []
     if isinstance(evaluations := result.get("evaluations"), int):

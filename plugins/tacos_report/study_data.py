@@ -120,7 +120,6 @@ class StudyData:
 
     @property
     def score_meanings(self) -> Mapping[str, str]:
-        """Meaning of scores, in a few words."""
         return {name: text(said) for name, said in mapping(self.result.get("score_meanings")).items()}
 
     def title_of(self, name: str) -> str:
@@ -134,7 +133,6 @@ class StudyData:
 
     @property
     def tried(self) -> tuple[Tried, ...]:
-        """Every candidate of every generation, in order."""
         return tuple(candidate for generation in self.generations for candidate in generation.tried)
 
     @property

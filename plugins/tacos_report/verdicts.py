@@ -56,7 +56,6 @@ def lead(decision: Decision) -> str:
 
 
 def row(comparison: Comparison) -> tuple[str, str]:
-    """A comparison as the cells of its difference and of its verdict."""
     if comparison.difference is None:
         return "", comparison.why or WORDS[comparison.verdict]
     ends = f" ({between(comparison.interval)})" if comparison.interval else ""

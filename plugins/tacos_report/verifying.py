@@ -45,7 +45,6 @@ class FileCheck:
 
     @property
     def meaning(self) -> str:
-        """Consequence of its damage, in a sentence."""
         if self.name.endswith(".jsonl"):
             return OF_LINES
         return MEANINGS.get(self.name, MEANINGS.get(self.name.partition("/")[0], ""))

@@ -104,7 +104,6 @@ def leave(out: Path, page: Page, data: Mapping[str, Any], summary: str, **tables
 
 
 def csv_text(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """A table for other programs."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows([heads, *rows])
     return text.getvalue()

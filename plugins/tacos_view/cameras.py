@@ -90,7 +90,6 @@ def _of_run(run: Path, name: str) -> CameraChoice:
 
 
 def _product(plan: Plan, name: str) -> OffTheShelf:
-    """A camera off the shelf that fits the rig of the study."""
     compare = plan.recipe.compare
     catalog = compare.catalog if compare else "cameras"
     folder = plan.recipe.folder_of(("compare", "catalog"))
@@ -133,7 +132,6 @@ def _refuse_unknown(plan: Plan, given: Mapping[str, Any]) -> None:
 
 
 def _part(plan: Plan, name: str, value: Any) -> Any:
-    """A value, or the row of the catalog that a name stands for."""
     variable = next((each for each in plan.space.variables if each.name == name), None)
     if not (isinstance(variable, CatalogChoice) and isinstance(value, str)):
         return value

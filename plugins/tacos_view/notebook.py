@@ -18,12 +18,10 @@ def load_ipython_extension(ipython: Any) -> None:
 
 
 def camera_html(camera: Camera) -> str:
-    """The field of view of a camera from above, and its figures."""
     return f"<figure>{_field_of_view(camera)}<figcaption>{camera._repr_html_()}</figcaption></figure>"
 
 
 def rig_html(rig: Rig) -> str:
-    """The fields of view of a rig's cameras, and their figures side by side."""
     drawn = "".join(map(_field_of_view, rig.cameras))
     return f"<figure>{drawn}<figcaption>{rig._repr_html_()}</figcaption></figure>"
 

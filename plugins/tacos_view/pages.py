@@ -153,7 +153,6 @@ def _legend(rendering: Rendering) -> Iterator[Legend]:
 
 
 def write_ladder(out: Path, ladder: EffectLadder, what: str) -> Path:
-    """One frame with an effect at rising severities, and what changed."""
     folder = ViewFolder(out)
     frames, changes = [], []
     for i, step in enumerate(ladder.steps):
@@ -177,7 +176,6 @@ def _two_a_row(pictures: Sequence[PagePicture]) -> tuple[SideBySide, ...]:
 
 
 def write_catalog(out: Path, catalog: Catalog) -> Path:
-    """The parts of a catalog to one scale."""
     parts = outlines(catalog)
     said = "the circle each lens fills with light." if parts[0].round else "the active area of each sensor."
     names = [part.name for part in catalog.rows]
@@ -185,7 +183,6 @@ def write_catalog(out: Path, catalog: Catalog) -> Path:
 
 
 def write_cameras(out: Path, name: str, cameras: Sequence[OffTheShelf]) -> Path:
-    """The sensors of a catalog of cameras to one scale, and what each camera fixes."""
     said = "the active area of each camera's sensor."
     titles = [camera.title for camera in cameras]
     rows = tuple(

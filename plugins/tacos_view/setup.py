@@ -66,7 +66,6 @@ class RenderSetup:
             yield self.simulation.sample(self.camera.values, spec, (i + 0.5) / count)
 
     def episode_spec(self, count: int | None, seed: int | None) -> EpisodeSpec:
-        """Names the world and the trip, in the recipe's first scenario."""
         first = self.plan.recipe.scenarios[0]
         scenario = first.name if isinstance(first, NamedScenario) else None
         return EpisodeSpec(
@@ -88,7 +87,6 @@ class RenderSetup:
 
     @cached_property
     def effects(self) -> tuple[PlacedEffect, ...]:
-        """The effects of the recipe and those that are nodes of the graph."""
         nodes = [(n, self.plan.nodes[n], self._overrides.nodes) for n in self.plan.graph.of_kind("effect")]
         own = [(part.name, part, self._overrides.effects) for part in self.plan.effects]
         return tuple(placed(name, part, overrides) for name, part, overrides in (*own, *nodes))

@@ -60,7 +60,6 @@ def detection_limits(
 
 
 def _beginning(name: str, cls: type[Any]) -> HypothesisTerm | None:
-    """The first initial guess that moves a number away from neutral."""
     for term in initial_guesses_of(name, cls):
         for key in term.free:
             if isinstance(cls.neutral.get(key), float) and term.values[key] != cls.neutral[key]:

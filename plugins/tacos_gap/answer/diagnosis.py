@@ -153,7 +153,6 @@ def _explained(
     workers: int,
     tell: Notify,
 ) -> Diagnosis:
-    """What some effects explain of the evidence."""
     tell("trying effects")
     attribution = search.run()
     best, problem = attribution.best, attribution.problem
@@ -228,7 +227,6 @@ def _detectable(
 
 
 def _nuisances(problem: Problem, best: Fitted) -> dict[str, dict[str, Any]]:
-    """What each capture's expectation is off by beside the best explanation."""
     each = [e for e in problem.evidence if isinstance(e, (ImageEvidence, BoardEvidence))]
     found = {e.capture.id: e.nuisances(placed_in(best.hypothesis, e)) for e in each}
     return {name: values for name, values in found.items() if values}

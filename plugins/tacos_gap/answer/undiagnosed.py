@@ -26,7 +26,6 @@ class NothingMeasured(UserError):
 
 
 def nothing_measured(folder: CaptureFolder, limitations: Sequence[str]) -> NothingMeasured:
-    """That no capture of a folder tells anything, and why."""
     fault = Fault(
         str(folder.path),
         "nothing can be measured in any capture",

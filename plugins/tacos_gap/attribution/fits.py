@@ -29,7 +29,6 @@ class Fits:
 
     @property
     def null(self) -> Fitted:
-        """The hypothesis without effects."""
         return self.known[()]
 
     def take_as_units(self, scale: NDArray[np.float64]) -> None:
@@ -76,7 +75,6 @@ class Fits:
         return fit(self.problem, found.hypothesis)
 
     def _least_of_fewer(self, hypothesis: Hypothesis) -> float:
-        """What fits of some of its effects leave at least."""
         names = {term.name for term in hypothesis}
         return min(
             (fitted.cost for key, fitted in list(self.known.items()) if names > set(key)), default=np.inf
@@ -100,5 +98,4 @@ class Fits:
 
 
 def _key(hypothesis: Hypothesis) -> tuple[str, ...]:
-    """What a set of effects is kept under."""
     return tuple(sorted(term.name for term in hypothesis))

@@ -17,7 +17,7 @@ from tacos_gap.inference.screening import columns_on, forms_of
 
 @dataclass(frozen=True, eq=False)
 class HeldOut:
-    """Each fold as it is predicted by the effects and the parameters that the other fold alone would choose."""
+    """Each fold, predicted by the effects and the parameters that the other fold alone would choose."""
 
     left: NDArray[np.float64]  # (K,) residuals that are left [noise floor]
     chosen: tuple[tuple[str, ...], ...]  # the effects, by each fold

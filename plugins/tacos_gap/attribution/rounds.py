@@ -235,7 +235,6 @@ class Rounds:
         return shortlist(self.problem, self.directions, base, names, count=TRIED, least=least, each=self.each)
 
     def free(self, base: Fitted, among: Collection[str] | None = None) -> list[str]:
-        """Effects that were screened and are not yet in an explanation."""
         wanted = self.directions if among is None else among
         return [name for name in self.directions if name in wanted and name not in base.names]
 

@@ -46,7 +46,6 @@ def doubts(captures: Sequence[RealCapture]) -> Iterator[str]:
 
 
 def doubt_of_files(name: str, suffixes: Sequence[str]) -> Iterator[str]:
-    """That files of a capture, by their suffixes, were compressed with a loss."""
     if lossy := sorted(LOSSY_SUFFIXES & {suffix.lower() for suffix in suffixes}):
         yield (
             f"{name}: its files are lossy ({', '.join(lossy)}), so that noise and detail are as much "
@@ -161,7 +160,6 @@ def _of_full_scale(captures: Sequence[RealCapture]) -> Iterator[str]:
 
 
 def _of_alignment(captures: Sequence[RealCapture]) -> Iterator[str]:
-    """That values stand in the upper bits of their files."""
     if not captures or (bits := int(captures[0].context.white_level_dn).bit_length()) <= 8:
         return
     unused = low_bits_unused(reduce(or_, (used_bits(thinned(capture.real_dn[:1])) for capture in captures)))

@@ -115,7 +115,6 @@ def _times_as_bright(capture: RealCapture) -> float:
 
 
 def limitations_of(capture: RealCapture) -> Iterator[str]:
-    """Sentences on what a capture cannot be used for."""
     real, context = capture.real_dn, capture.context
     if (real >= context.white_level_dn).mean() > CLIPPED_SHARE:
         yield f"{capture.id}: nearly all pixels are saturated; only saturation can be measured."

@@ -158,7 +158,6 @@ class _Reader:
             return None
 
     def _limit(self, entry: CaptureEntry, paths: Sequence[Path]) -> None:
-        """Say what of a capture is not used, or not to be relied on."""
         if len(paths) > MAX_FRAMES:
             self.limitations.append(
                 f"{entry.id}: {MAX_FRAMES} of its {len(paths)} frames are used, the first ones."

@@ -39,9 +39,7 @@ class Evidence(Protocol):
     """What one or several captures say of a hypothesis."""
 
     @property
-    def labels(self) -> Sequence[Label]:
-        """What each number is."""
-        ...
+    def labels(self) -> Sequence[Label]: ...
 
     @property
     def null_replicates(self) -> NDArray[np.float64]:

@@ -64,7 +64,6 @@ class SimulatedStatistics:
         self.taken = taken or TakenStatistics.of(self.real_blocks())
 
     def expecting(self, expectation: RealCapture) -> SimulatedStatistics:
-        """The same numbers of the capture with something else expected."""
         return SimulatedStatistics(self.capture, expectation, self._seed, self.taken, self._numbers)
 
     def taking(self, taken: TakenStatistics, kept: NDArray[np.bool_]) -> SimulatedStatistics:

@@ -31,12 +31,10 @@ def setting_of(name: str) -> str:
 
 
 def of_capture(setting: str, capture: str) -> str:
-    """The parameter that is a setting's value in one capture."""
     return f"{setting}{_AT}{capture}"
 
 
 def is_of_one_capture(name: str) -> bool:
-    """True if a parameter holds for one capture alone."""
     return _AT in name
 
 
@@ -70,7 +68,6 @@ def _middle(values: Sequence[Any]) -> Any:
 
 
 def captures_with_values(values: Mapping[str, Any]) -> tuple[str, ...]:
-    """The captures that have values of their own."""
     return tuple(dict.fromkeys(name.partition(_AT)[2] for name in values if is_of_one_capture(name)))
 
 

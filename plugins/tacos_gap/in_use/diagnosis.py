@@ -46,7 +46,6 @@ class InUse:
 
     @property
     def not_separated(self) -> list[list[str]]:
-        """Sets of causes that these frames cannot tell apart."""
         return [["motion blur", "rolling shutter"]] if any(blur.present for blur in self.blurs) else []
 
     @property

@@ -38,7 +38,6 @@ class MotionBlur:
 
     @property
     def present(self) -> bool:
-        """True if the exposure is blurred by motion for sure."""
         return self.interval is not None and self.interval[0] > 0
 
 

@@ -38,7 +38,6 @@ def with_theta(hypothesis: Hypothesis, theta: NDArray[np.float64]) -> Hypothesis
 
 
 def columns_of(hypothesis: Hypothesis) -> list[Column]:
-    """The columns of the Jacobian at a hypothesis, in order."""
     return [(term.name, name, step) for term in hypothesis for name, step in term.free.items()]
 
 

@@ -62,7 +62,6 @@ class Unexplained:
 
     @property
     def is_significant(self) -> bool:
-        """True if anything is left to explain."""
         return self.p_value < SIGNIFICANT and not self.negligible
 
     def beside(self, after: float) -> Unexplained:

@@ -91,7 +91,6 @@ def freedoms_of(capture: RealCapture) -> tuple[Freedom, ...]:
 
 
 def _is_registrable(capture: RealCapture) -> bool:
-    """True if it shows something to register."""
     if not capture.is_structured:
         return False
     assert capture.expected_dn is not None

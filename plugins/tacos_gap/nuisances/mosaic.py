@@ -18,7 +18,6 @@ _ORIGINS = ((0, 0), (1, 0), (0, 1), (1, 1))  # x, y of the first pixel of each p
 
 
 def of_each_plane(frame: Image, change: Callable[[Image], Image]) -> Image:
-    """A mosaic whose planes were changed one by one."""
     changed = np.empty_like(frame)
     for x, y in _ORIGINS:
         changed[y::2, x::2] = change(np.ascontiguousarray(frame[y::2, x::2]))

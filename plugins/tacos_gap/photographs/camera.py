@@ -102,7 +102,6 @@ class _Answers:
 
 
 def _settle_lens(camera: _Answers, pictures: Sequence[Picture], given: Given, focal_px: float | None) -> None:
-    """Pitch of the pixels, focal length, f-number."""
     facts = [picture.facts for picture in pictures]
     camera.settle(
         "pixel_um",

@@ -118,7 +118,6 @@ class _Sorted:
     doubts: tuple[str, ...]
 
     def board_of(self, picture: Picture) -> BoardFound | None:
-        """The board that a picture shows."""
         return next((board for board in self.boards if picture in board.views), None)
 
 
@@ -148,7 +147,6 @@ def _likelier_boards(
 
 
 def _not_seen(picture: Picture, boards: Sequence[BoardFound], given: Given) -> str:
-    """Why a board is of no use."""
     counted = picture.shown.corners
     wanted = given.inner_corners or next((b.inner_corners for b in boards if b.layout is None), None)
     if picture.shown.markers is not None:
@@ -224,7 +222,6 @@ def _doubts(stacks: Sequence[Stack]) -> Iterator[str]:
 
 
 def _entries(found: _Sorted, out: Path, given: Given) -> Iterator[dict[str, Any]]:
-    """Entries of captures, their files copied."""
     stacks = found.stacks
     isos = [p.facts.iso for stack in stacks for p in stack.pictures if p.facts.iso]
     lowest = min(isos, default=None)

@@ -59,7 +59,6 @@ class Picture:
 
     @property
     def name(self) -> str:
-        """The name of the file, for print and for YAML."""
         return printable_name(self.path)
 
 

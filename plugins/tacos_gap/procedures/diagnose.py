@@ -213,7 +213,6 @@ class Diagnose:
         return None if use is None else PlacedSensor(use.use, NODE, build(use, "sensor", plugins))
 
     def _command(self, seed: int) -> str:
-        """What to type to run it again: every setting that is not its default."""
         default = Diagnose.Config().model_dump(mode="json")
         words = ["tacos-run", "diagnose"]
         for name, value in self.config.model_dump(mode="json").items():

@@ -151,7 +151,6 @@ def _decision(decision: Mapping[str, Any]) -> Iterator[Block]:
 
 
 def _frozen(decision: Mapping[str, Any]) -> str:
-    """Which tasks learn, and did not here."""
     frozen = list(decision.get("frozen", ()))
     return f" {words.listed(frozen)}: weights as they were trained before." if frozen else ""
 

@@ -37,7 +37,6 @@ TELLS = {
 
 
 def photographed(captures: Sequence[RealCapture]) -> Iterator[Block]:
-    """A contact sheet, and what each kind of capture tells."""
     pictures = tuple(
         PagePicture(image_uri(thumbnail(capture)), f"{capture.id}: {_taken(capture)}")
         for capture in captures[:MOST]

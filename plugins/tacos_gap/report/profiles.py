@@ -128,7 +128,6 @@ def _joined(
 
 
 def _panel(at: object, kind: Over) -> str:
-    """Which panel a number belongs to."""
     assert isinstance(at, dict)
     if kind == "frequency" and "radius" in at:
         low, high = at["radius"]

@@ -15,7 +15,6 @@ from tacos_report.page import Code, Page, Paragraph, Section
 def undiagnosed_page(
     folder: CaptureFolder, limitations: Sequence[str], effects: Mapping[str, type[Any]], command: str
 ) -> Page:
-    """What was photographed, why it tells nothing, and what to photograph."""
     wanted = f"Capture next: {WANTED.kind}. {WANTED.why[:1].upper()}{WANTED.why[1:]}."
     return Page(
         "Diagnosis of the gap between captures and their simulation",

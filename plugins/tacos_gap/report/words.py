@@ -161,7 +161,6 @@ def control_sentence(diagnosis: Diagnosis) -> str:
 
 
 def not_held_out(diagnosis: Diagnosis) -> list[str]:
-    """Which closures were measured on what the selection saw, in sentences."""
     return [
         f"What {effect_words(cause.effect)} closes is not held out: {cause.not_held_out}."
         for cause in diagnosis.causes

@@ -203,7 +203,6 @@ class _Watched(EpisodeDraws):
 
 
 def _state(rng: np.random.Generator) -> Any:
-    """What changes of a generator when something is drawn or spawned from it."""
     seeds: Any = rng.bit_generator.seed_seq
     return rng.bit_generator.state, seeds.n_children_spawned
 

@@ -40,7 +40,6 @@ class RecipeTask:
 
     @property
     def title(self) -> str:
-        """The node with its component, for messages."""
         return f"{self.node} ({self.part.use})"
 
     def begin(self) -> Any:

@@ -18,7 +18,6 @@ MORE_LIKELY_THAN_NOT = 0.5
 
 
 def blocks(study: StudyData) -> Iterator[Block]:
-    """Parts in a sentence, ranges as a picture and in numbers."""
     found = study.analysis.equivalents
     if found is None or not (found.parts or found.ranges or found.tolerances):
         return

@@ -15,7 +15,6 @@ from tacos_report.study_data import StudyData
 
 
 def blocks(study: StudyData) -> Iterator[Block]:
-    """Each aim against the fitness, and the cameras of the front."""
     objectives, points = study.analysis.objectives, study.analysis.front
     if not objectives or not points:
         return

@@ -11,7 +11,6 @@ from tacos_report.study_data import StudyData
 
 
 def blocks(study: StudyData) -> Iterator[Block]:
-    """Bars of the Sobol indices, and one small picture per variable."""
     found = study.analysis.influences
     if not found:
         return

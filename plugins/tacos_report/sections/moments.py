@@ -14,7 +14,6 @@ _FRAME_PX = 640
 
 
 def blocks(study: StudyData) -> Iterator[Block]:
-    """A row of frames per moment, one frame per camera."""
     rows = list(_rows(study))
     if rows:
         many = "All frames of a row are" if len(study.cameras) > 1 else "Each frame is"

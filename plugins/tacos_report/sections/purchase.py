@@ -51,7 +51,6 @@ def _parts(study: StudyData) -> dict[str, Mapping[str, Any]]:
 
 
 def _better_product(study: StudyData) -> str | None:
-    """The product that beats the designed camera on unseen scenes."""
     decision = study.analysis.decision
     if decision is None or decision.comparison.verdict != "worse":
         return None
@@ -97,7 +96,6 @@ def _lens_wanted(camera: CameraResult, study: StudyData) -> Iterator[tuple[str, 
 
 
 def _fit(camera: CameraResult) -> tuple[tuple[str, str], ...]:
-    """Fit of lens and sensor, as far as it is known."""
     margin_mm = camera.derived.get("image_circle_margin_mm")
     circle = "not known: nobody states the image circle"
     if margin_mm is not None:

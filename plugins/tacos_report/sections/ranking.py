@@ -20,7 +20,6 @@ _SHOWN = 3
 
 
 def blocks(study: StudyData) -> Iterator[Block]:
-    """A picture of all parts, a table of the first, and what could not be ranked."""
     ranked = study.analysis.ranking
     if ranked:
         carried = products_of_parts(study)

@@ -16,7 +16,6 @@ _LABELS = {"gl_renderer": "OpenGL renderer", "cores": "Processor cores", "python
 
 
 def costs(study: StudyData) -> Iterator[Block]:
-    """Time by part of the pipeline, beside candidates without a fitness."""
     if size := story.size_words(study):
         yield Paragraph(f"{size}.")
     seconds_by_node = mapping(study.result.get("seconds_by_node"))
@@ -37,7 +36,6 @@ def costs(study: StudyData) -> Iterator[Block]:
 
 
 def repeat(study: StudyData) -> Iterator[Block]:
-    """The command, versions and machine, the recipe and the end of the log."""
     result = study.result
     if command := result.get("command"):
         yield Code(str(command))
@@ -52,7 +50,6 @@ def repeat(study: StudyData) -> Iterator[Block]:
 
 
 def _environment(study: StudyData) -> Iterator[tuple[str, str]]:
-    """Machine of the study, and the packages last: they are many."""
     environment = mapping(study.result.get("environment"))
     rows = {**environment, **mapping(environment.get("findings"))}
     packages = mapping(rows.pop("packages", None))

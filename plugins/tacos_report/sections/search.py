@@ -16,7 +16,6 @@ from tacos_report.study_data import StudyData, Tried, parts_of
 
 
 def course(study: StudyData) -> Iterator[Block]:
-    """Arrival of the winner, and a curve of all candidates."""
     stopped = study.result.get("stopped")
     yield Paragraph(f"{story.search_words(study)}{f' It ended: {stopped}.' if stopped else ''}")
     if study.scored:

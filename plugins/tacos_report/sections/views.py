@@ -12,7 +12,6 @@ from tacos_report.study_data import StudyData
 
 
 def blocks(study: StudyData) -> Iterator[Block]:
-    """Two drawings, of the fields of view that are known."""
     drawings = tuple(_drawings(study))
     if drawings and len(study.cameras) > 1:
         yield Legend(tuple((camera.title, camera_variable(i)) for i, camera in enumerate(study.cameras)))

@@ -103,7 +103,6 @@ def compared(cases: Iterable[Case], *tiers: str) -> list[ParameterFound]:
 def calibration_figures(
     cases: Sequence[Case], charts: Sequence[Case], natural: Sequence[Case]
 ) -> list[Figure]:
-    """Figures on sets, presences, intervals and errors."""
     named = [c for c in (*charts, *(c for c in cases if c.tier == "T2")) if not c.failed]
     found = {
         "charts": [p for c in charts for p in c.parameters()],

@@ -23,7 +23,6 @@ Confusion = Mapping[str, Counter[str]]
 
 
 def confusions(cases: Sequence[Case]) -> list[Drawing]:
-    """Drawings of the named effects by withheld effect."""
     return [
         in_both_widths(
             partial(confusion, title, found),

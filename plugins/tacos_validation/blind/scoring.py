@@ -18,8 +18,6 @@ STRONG = 3.6
 
 
 def figures(cases: Sequence[Case]) -> list[Figure]:
-    """The table of goals of the check."""
-
     of: dict[str, list[Case]] = {}
     for case in cases:
         of.setdefault(case.tier, []).append(case)

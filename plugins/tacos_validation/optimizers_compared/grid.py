@@ -39,7 +39,6 @@ class Stepped(Continuous):
 
     @property
     def points(self) -> tuple[float, ...]:
-        """The values it can have, in rising order."""
         last = math.floor((self.upper - self.lower) / self.step + 1e-9)
         return tuple(self._point(place) for place in range(last + 1))
 

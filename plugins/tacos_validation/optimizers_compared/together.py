@@ -59,7 +59,6 @@ class FilledTogether:
             self._changed.notify_all()
 
     def give_up(self) -> None:
-        """Nobody is to wait any longer."""
         with self._changed:
             self._is_given_up = True
             self._changed.notify_all()

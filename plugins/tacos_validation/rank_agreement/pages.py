@@ -23,7 +23,6 @@ def summary(outcome: RankOutcome) -> str:
 
 
 def table_csv(outcome: RankOutcome) -> str:
-    """Both orders for other programs: a line for each camera and light."""
     heads = ("camera", "light", "quick", "full", "rank_quick", "rank_full")
     return csv_text(heads, ([row[head] for head in heads] for row in outcome.as_data()["table"]))
 

@@ -20,7 +20,6 @@ _LIFT_M = 0.05
 def doubts_of_height(
     clear_m: float | None, metres_per_unit: float, camera_height_m: tuple[float, float]
 ) -> Iterator[str]:
-    """What is strange of the height of rooms, most likely as the unit is another."""
     if clear_m is None:
         return
     if doubt := _doubt_of_unit(clear_m, metres_per_unit):

@@ -142,7 +142,6 @@ def class_names(labels: Sequence[Label]) -> tuple[str, ...]:
 
 
 def unused_rules(surfaces: Sequence[Surface], rules: Sequence[Rule]) -> Iterator[Rule]:
-    """Rules that match nothing."""
     return (rule for rule in rules if all(rule.matches(surface.path) is None for surface in surfaces))
 
 

@@ -151,7 +151,6 @@ def _level_lux(star: Light) -> float:
 
 
 def _recorded(config: ImportedSettings, read: Read) -> tuple[Trajectory | None, list[str], list[Fault]]:
-    """The recorded path, what is doubtful of it, and what is wrong with it."""
     if not config.path:
         return None, [], []
     turn = read.turn if config.path_axes == "file" else np.eye(3)

@@ -34,7 +34,6 @@ class Telling:
         self._began_s = time.monotonic()
 
     def done(self, stage: str) -> None:
-        """A stage of `SHARES` is done."""
         self._done += SHARES[stage]
         if self._triangles < LARGE:
             return

@@ -28,7 +28,6 @@ def muted(
 
 
 def vivid(rng: np.random.Generator) -> Colour:
-    """An sRGB colour of a toy."""
     hue = float(rng.choice([0.0, 0.08, 0.14, 0.33, 0.48, 0.58, 0.64, 0.9]))
     return colorsys.hsv_to_rgb(hue, float(rng.uniform(0.65, 0.9)), float(rng.uniform(0.65, 0.95)))
 

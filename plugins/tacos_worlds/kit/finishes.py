@@ -89,9 +89,7 @@ class TextureLibrary:
 class Textures(Protocol):
     """Textures by name and variant."""
 
-    def __getitem__(self, key: tuple[str, int], /) -> Texture:
-        """The texture, made on first use."""
-        ...
+    def __getitem__(self, key: tuple[str, int], /) -> Texture: ...
 
 
 def materials_of(

@@ -37,5 +37,4 @@ class Rect:
         )
 
     def contains(self, other: Rect) -> bool:
-        """True if `other` lies inside."""
         return self.x0 <= other.x0 and self.y0 <= other.y0 and other.x1 <= self.x1 and other.y1 <= self.y1

@@ -62,7 +62,6 @@ class Source:
 
     @lru_cache(maxsize=16)  # noqa: B019 - a source lives as long as its process
     def noise(self, name: str) -> LinearNoise:
-        """Noise of the samples of an exposure."""
         return measured_noise(self._lights[name], mosaic=self.mosaic, top_dn=self.top_dn)
 
     @cached_property

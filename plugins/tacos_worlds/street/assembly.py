@@ -95,7 +95,6 @@ def assemble(
 
 
 def _lamps(placed: Sequence[PlacedPiece], way_m: NDArray[np.float64] | None) -> list[Light]:
-    """The lamps of a town, or those near a way."""
     lamps = [light for thing in placed for light in thing.piece.lights]
     if way_m is None or not lamps:
         return lamps

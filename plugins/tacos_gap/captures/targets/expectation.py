@@ -207,7 +207,6 @@ def _chart(capture: RealCapture) -> Expected:
 
 
 def _brackets(captures: Sequence[RealCapture]) -> Iterator[Expected]:
-    """Brackets without an expectation, group by group."""
     groups: dict[str, list[RealCapture]] = {}
     for capture in captures:
         if capture.kind == "bracket" and capture.expected_dn is None:

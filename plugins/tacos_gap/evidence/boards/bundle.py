@@ -169,7 +169,6 @@ class Bundle:
         return [found[i] for i in range(len(self.views))]
 
     def _within(self, shared: Array) -> Array:
-        """Paper that bends no further than paper does."""
         paper = self._starts[-1]
         return np.concatenate([np.clip(shared[:paper], -MOST, MOST), shared[paper:]])
 

@@ -167,7 +167,6 @@ def _right_way_up(grey: NDArray[np.uint8], corners: NDArray[np.float64], board: 
 
 
 def _level(grey: NDArray[np.uint8], square: NDArray[np.float64]) -> float:
-    """Level in the middle of a square, given by its corners."""
     x, y = square.reshape(-1, 2).mean(axis=0)
     return float(cv2.getRectSubPix(grey, (3, 3), (float(x), float(y))).mean())
 

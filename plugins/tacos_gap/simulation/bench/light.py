@@ -41,7 +41,6 @@ def dimmed(light: Capture, factor: float) -> Capture:
 
 
 def repeated(light: Capture, frames: int) -> Capture:
-    """The first frame, taken several times in a row."""
     episode, view = light.episode, light.views[0]
 
     def again(array: NDArray[Number]) -> NDArray[Number]:

@@ -47,7 +47,6 @@ def _bench(path: Path, plugins: Plugins) -> CaptureBench:
 
 
 def not_of_a_bench(name: str) -> Fault:
-    """The fault of a recipe that photographs nothing."""
     return Fault(
         name,
         "this recipe does not say what to photograph",

@@ -80,7 +80,6 @@ class CaptureBench:
             yield self.capture(shot)
 
     def capture(self, shot: BenchShot) -> RealCapture:
-        """What a camera with the effects gives for a shot, beside what is expected."""
         expected = self.expected(shot)
         light = self._real_light(shot, expected)
         light = light if shot.kind == "sequence" else repeated(light, shot.frames)
@@ -222,7 +221,6 @@ class CaptureBench:
 
 
 def _asked_for_by(renderer: Any) -> tuple[str, ...]:
-    """What of rig and exposure a renderer is to be given."""
     return tuple(signature_of(type(renderer), "renderer").supplied)
 
 

@@ -35,7 +35,6 @@ class RankedCameras:
 
     @property
     def episodes(self) -> int:
-        """Scenes that every camera was judged on."""
         return min((len(e.blocks) for e in self.evaluations.values() if e.fitness is not None), default=0)
 
 

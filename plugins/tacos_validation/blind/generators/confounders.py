@@ -84,7 +84,6 @@ PAIRS: Mapping[str, Pair] = {
 
 
 def acquisitions_of(pair: str, with_split: bool) -> Make:
-    """The captures of a pair, with or without those that split it."""
     chosen = PAIRS[pair]
 
     def made(camera: IdealCamera, rng: np.random.Generator) -> list[Acquisition]:

@@ -39,7 +39,6 @@ class FlatScene:
 
 
 def canvas_shape(camera: IdealCamera) -> tuple[int, int]:
-    """Height and width of a picture's samples."""
     reach = 1 + 2 * MARGIN
     return round(camera.height_px * reach * OVERSAMPLING), round(camera.width_px * reach * OVERSAMPLING)
 

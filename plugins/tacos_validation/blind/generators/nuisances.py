@@ -141,7 +141,6 @@ def _drawn(nuisance: Nuisance, acquisition: Acquisition, rng: np.random.Generato
 def described(
     off: Mapping[str, CaptureNuisance], pipeline: Sequence[InjectedEffect]
 ) -> dict[str, dict[str, Any]]:
-    """All that is off, as plain data for the truth."""
     return {
         "captures": {name: asdict(each) for name, each in off.items()},
         "pipeline": {effect.name: effect.parameters for effect in pipeline},

@@ -133,7 +133,6 @@ class Commitment:
 
 
 def commit(case: str, truth: Mapping[str, Any], file: Path) -> Commitment:
-    """Write the truth with a salt, and return the commitment to it."""
     content = json.dumps({"salt": secrets.token_hex(16), "truth": truth}, sort_keys=True)
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(content, "utf-8")

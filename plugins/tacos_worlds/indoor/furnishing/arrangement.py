@@ -31,7 +31,6 @@ class Arrangement:
     members: tuple[Member, ...]
 
     def set_at(self, x_m: float, y_m: float, quarter_turns: int) -> Arrangement:
-        """The arrangement turned by quarters and moved."""
         yaw = quarter_turns * math.pi / 2
         return Arrangement(
             tuple(

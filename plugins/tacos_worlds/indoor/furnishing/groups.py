@@ -23,7 +23,6 @@ Make = Callable[[str], Piece]
 
 
 def on_top(rng: np.random.Generator, support: Piece, thing: Piece) -> Arrangement:
-    """A cupboard at the wall with something on it."""
     base = against_wall(support)
     slack = max(support.size_m[0] - thing.size_m[0], 0.0) / 2
     aside = rng.uniform(-slack, slack) * (0.2 if thing.class_name == "computer_tv" else 0.85)
@@ -63,7 +62,6 @@ def television_corner(rng: np.random.Generator, make: Make, style: Style) -> Arr
 
 
 def reading_corner(rng: np.random.Generator, make: Make, style: Style) -> Arrangement:
-    """An armchair with a side table and a floor lamp."""
     seat, table, lamp = make("armchair"), make("side_table"), make("floor_lamp")
     members = [against_wall(seat, gap_m=0.1)]
     end = int(rng.choice([-1, 1]))
@@ -77,7 +75,6 @@ def reading_corner(rng: np.random.Generator, make: Make, style: Style) -> Arrang
 
 
 def sofa_at_wall(rng: np.random.Generator, make: Make, style: Style) -> Arrangement:
-    """A sofa at the wall with a low table before it."""
     seat, table = against_wall(make("sofa"), gap_m=0.06), make("coffee_table")
     at = seat.footprint.y1 + 0.42 + table.size_m[1] / 2
     return together([seat, member(table, 0, at), rug(rng, style, 2.2, 1.6, y_m=at - 0.15)])

@@ -150,7 +150,6 @@ class RoomFloor:
         return sum(len(mesh.triangles) for mesh in meshes)
 
     def replace_pieces(self, changed: Callable[[Piece], Piece]) -> None:
-        """Put another piece of the same shape in the place of each one."""
         self.placed = [
             Arrangement(tuple(replace(m, piece=changed(m.piece)) for m in made.members))
             for made in self.placed

@@ -13,7 +13,6 @@ _SHEET = Finish("linen", (0.84, 0.83, 0.80), roughness=0.95)
 
 
 def bed(rng: np.random.Generator, style: Style) -> Piece:
-    """A double bed with a headboard, a duvet that hangs over the sides, and pillows."""
     return _bed(rng, style, width=float(rng.choice([1.4, 1.6, 1.8])), pillows=2)
 
 

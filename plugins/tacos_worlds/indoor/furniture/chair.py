@@ -54,7 +54,6 @@ def dining_chair(rng: np.random.Generator, style: Style) -> Piece:
 
 
 def office_chair(rng: np.random.Generator, style: Style) -> Piece:
-    """A swivel chair with five castors, gas spring, padded seat and back."""
     seat = rng.uniform(0.44, 0.5)
     width = rng.uniform(0.46, 0.52)
     cloth = Finish("weave", (0.06, 0.06, 0.065), roughness=0.95) if rng.uniform() < 0.6 else style.accent

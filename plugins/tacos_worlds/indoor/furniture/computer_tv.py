@@ -13,7 +13,6 @@ from tacos_worlds.kit.shapes import box, panel, slab
 
 
 def television(rng: np.random.Generator, style: Style) -> Piece:
-    """A flat television on two feet, switched off."""
     width = rng.uniform(0.95, 1.35)
     height = width * 9 / 16 + 0.03
     foot = 0.07

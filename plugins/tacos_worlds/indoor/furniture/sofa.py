@@ -13,7 +13,6 @@ from tacos_worlds.kit.shapes import box, cushion, disc_stack
 
 
 def sofa(rng: np.random.Generator, style: Style) -> Piece:
-    """A sofa of two or three seats."""
     return _seat_row(rng, style, seats=int(rng.choice([2, 3, 3])))
 
 

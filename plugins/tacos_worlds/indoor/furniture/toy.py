@@ -14,7 +14,6 @@ from tacos_worlds.kit.shapes import box, cushion, disc_stack
 
 
 def toy(rng: np.random.Generator, style: Style) -> Piece:
-    """A ball, a pile of blocks, a car, a stacking tower or a bear."""
     makers = (_ball, _blocks, _car, _tower, _bear)
     return piece("toy", makers[int(rng.integers(len(makers)))](rng))
 

@@ -30,7 +30,6 @@ class Side:
         return thing.turned(self.yaw_rad).moved(x, y, z_m)
 
     def place_mesh(self, mesh: Mesh) -> Mesh:
-        """A mesh given in the side's frame, in the world."""
         return mesh.turned(self.yaw_rad).moved(self.x_m, self.y_m)
 
     def point(self, along_m: float, from_wall_m: float) -> tuple[float, float]:

@@ -40,7 +40,6 @@ def open_book(rng: np.random.Generator, style: Style) -> Piece:
 
 
 def papers(rng: np.random.Generator, style: Style) -> Piece:
-    """A sheet or a small pile of them, A4, printed on."""
     high, sheets = 0.0, []
     for _ in range(int(rng.integers(1, 4))):
         thick, yaw = rng.uniform(0.002, 0.006), rng.normal(0, 0.2)

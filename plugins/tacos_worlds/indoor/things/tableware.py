@@ -21,7 +21,6 @@ def glaze(rng: np.random.Generator) -> Finish:
 
 
 def mug(rng: np.random.Generator, style: Style) -> Piece:
-    """A mug with a handle, mostly full."""
     high, radius = rng.uniform(0.085, 0.105), rng.uniform(0.037, 0.044)
     wall = [
         (radius * 0.9, 0), (radius, 0.01), (radius, high), (radius - 0.004, high),
@@ -42,7 +41,6 @@ def drinking_glass(rng: np.random.Generator, style: Style) -> Piece:
 
 
 def plate(rng: np.random.Generator, style: Style) -> Piece:
-    """A plate with knife and fork beside it."""
     radius = rng.uniform(0.11, 0.135)
     dish = [(0.55 * radius, 0), (radius, 0.016), (radius, 0.019), (0.62 * radius, 0.007), (0.05, 0.006)]
     cutlery: list[Mesh] = []

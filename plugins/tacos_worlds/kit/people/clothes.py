@@ -57,8 +57,6 @@ class Clothes:
 
 
 def draw_clothes(rng: np.random.Generator, *, outdoors: bool, cloth: str) -> Clothes:
-    """Random clothes."""
-
     def pick(colours: tuple[Colour, ...]) -> Colour:
         return colours[int(rng.integers(len(colours)))]
 

@@ -62,7 +62,6 @@ def standing(rng: np.random.Generator) -> Pose:
 
 
 def walking(rng: np.random.Generator) -> Pose:
-    """Some moment of a step."""
     phase = float(rng.uniform(0, 2 * math.pi))
     swing = math.sin(phase)
     hips = (24 * swing + 3, -24 * swing + 3)
@@ -82,7 +81,6 @@ def seated(rng: np.random.Generator, height_m: float, *, seat_m: float, back_deg
 
 
 def joints_of(pose: Pose, height_m: float) -> Joints:
-    """Where the joints of a body of a height are."""
     h = height_m
     side = np.array([-1.0, 1.0])
     hip = np.column_stack([side * _HIP_ASIDE * h, np.zeros(2), np.zeros(2)])

@@ -52,7 +52,6 @@ def speed_limit(rng: np.random.Generator, size: int) -> Texture:
 
 
 def no_entry(rng: np.random.Generator, size: int) -> Texture:
-    """A red disc with a white bar."""
     image = _face(size, RED)
     low, high = (round(0.18 * size), round(0.42 * size)), (round(0.82 * size), round(0.58 * size))
     _draw(image, lambda mask: cv2.rectangle(mask, low, high, 255, -1), WHITE)
@@ -67,7 +66,6 @@ def stop(rng: np.random.Generator, size: int) -> Texture:
 
 
 def crossing_ahead(rng: np.random.Generator, size: int) -> Texture:
-    """A square blue sign with a person on a crossing."""
     image = _face(size, BLUE)
     triangle = np.array([[0.5, 0.14], [0.9, 0.86], [0.1, 0.86]]) * size
     _draw(image, lambda mask: cv2.fillPoly(mask, [triangle.astype(np.int32)], 255, cv2.LINE_AA), WHITE)
@@ -92,7 +90,6 @@ def crossing_ahead(rng: np.random.Generator, size: int) -> Texture:
 
 
 def street_name(rng: np.random.Generator, size: int) -> Texture:
-    """A street's name, white on blue, along the middle of the tile."""
     names = ("MILL ST", "HIGH ST", "PARK RD", "CHURCH ST", "STATION RD", "BRIDGE ST")
     image = _face(size, BLUE)
     _write(image, str(rng.choice(names)), WHITE, 0.72)
@@ -100,7 +97,6 @@ def street_name(rng: np.random.Generator, size: int) -> Texture:
 
 
 def number_plate(rng: np.random.Generator, size: int) -> Texture:
-    """A number plate, along the middle of the tile."""
     letters = "".join(rng.choice(list("ABCDEFGHKLMNPRSTUVWX"), 3))
     image = _face(size, (0.92, 0.92, 0.88))
     _write(image, f"{letters} {rng.integers(100, 999)}", BLACK, 0.62)
@@ -116,7 +112,6 @@ def _spot(rng: np.random.Generator, size: int) -> Callable[[NDArray[np.uint8]], 
 
 
 def poster(rng: np.random.Generator, size: int) -> Texture:
-    """An advertisement: shapes in strong colours, a word in large letters."""
     red, green, blue = rng.uniform(0.3, 0.95, 3).tolist()
     image = _face(size, (red, green, blue))
     for _ in range(int(rng.integers(5, 10))):

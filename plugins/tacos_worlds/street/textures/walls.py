@@ -68,7 +68,6 @@ def render(rng: np.random.Generator, size: int) -> Canvas:
 
 
 def ashlar(rng: np.random.Generator, size: int) -> Canvas:
-    """Dressed stone in courses."""
     columns, rows = 4 * CELLS, 8 * CELLS
     v = np.arange(size)[:, None] / size * rows
     u = (np.arange(size)[None, :] / size * columns + 0.5 * (np.floor(v) % 2)) % columns

@@ -60,7 +60,6 @@ class House:
 
 
 def draw_house(rng: np.random.Generator, width_m: float, depth_m: float, *, tall: bool = False) -> House:
-    """A random building of a given footprint."""
     office = tall or rng.uniform() < 0.12
     return House(
         width_m=width_m,
@@ -138,7 +137,6 @@ def _bays(length_m: float) -> int:
 def _lights(
     rng: np.random.Generator, house: House, origin: np.ndarray, along: np.ndarray, length_m: float, near: bool
 ) -> Parts:
-    """The windows of a front that are lit by night."""
     bays = _bays(length_m)
     share = _LIT_SHARE[house.kind < 0] * float(rng.uniform(0.5, 1.4))
     found = fronts.lit_windows(

@@ -108,7 +108,6 @@ def dormers(
 
 
 def downpipe(x_m: float, eaves_m: float) -> tuple[Mesh, Finish]:
-    """A rain pipe at the joint of two houses."""
     return slab((0.09, 0.09, eaves_m - 0.5), (x_m, -0.06, 0.0)), GALVANISED
 
 

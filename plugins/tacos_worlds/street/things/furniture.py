@@ -113,7 +113,6 @@ def _plate(corners: int, middle_m: float) -> tuple[Mesh, Mesh]:
 
 
 def traffic_light(rng: np.random.Generator, *, glows: bool = False) -> Piece:
-    """Lights on a post, one of which glows by night."""
     lit = int(rng.integers(3))
     post = tube([(0.1, 0, 0), (0.1, 0, 3.4)], 0.06, sides=5)
     case = slab((0.22, 0.32, 0.95), (0.1, 0, 2.5))
@@ -152,7 +151,6 @@ def bollard(rng: np.random.Generator) -> Piece:
 
 
 def bench(rng: np.random.Generator) -> Piece:
-    """A bench that looks at the road."""
     planks = [slab((1.8, 0.11, 0.04), (0, y, 0.44)) for y in (-0.16, 0.0, 0.16)]
     planks += [slab((1.8, 0.04, 0.11), (0, -0.26, z)) for z in (0.62, 0.78)]
     legs = [slab((0.06, 0.5, 0.44), (x, -0.03, 0)) for x in (-0.75, 0.75)]

@@ -26,7 +26,6 @@ def _icosahedron() -> tuple[Floats, Indices]:
 
 
 def _lump(rng: np.random.Generator, centre_m: Floats, radius_m: float) -> Mesh:
-    """The dense inside of a crown."""
     points, triangles = _icosahedron()
     bumps = 1 + rng.normal(0, 0.08, len(points))
     mesh = shaded(centre_m + points * bumps[:, None] * radius_m, triangles, crease_deg=170)

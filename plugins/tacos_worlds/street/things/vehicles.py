@@ -160,7 +160,6 @@ def _facing_back(x: float, y: float, z: float, width_m: float, height_m: float) 
 
 
 def _cap(ring: NDArray[np.float64]) -> Mesh:
-    """The level surface within a ring."""
     here = np.arange(len(ring))
     middle = np.full(len(ring), len(ring))
     triangles = np.column_stack([here, (here + 1) % len(ring), middle])
