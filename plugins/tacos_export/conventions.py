@@ -43,15 +43,9 @@ UNKNOWN_DEPTH = 0
 def depth_codes(depth_m: NDArray[np.floating], codes_per_m: float) -> NDArray[np.uint16]:
     """Depth as 16-bit integers.
 
-    Parameters
-    ----------
-    depth_m
-        Depth as `View.depth_m` has it, infinite where nothing is [m].
-    codes_per_m
-        1000 for millimetres, 256 for KITTI, 5000 for TUM [1/m].
+    - `depth_m`: depth as `View.depth_m` has it, infinite where nothing is [m].
+    - `codes_per_m`: 1000 for millimetres, 256 for KITTI, 5000 for TUM [1/m].
 
-    Examples
-    --------
     >>> depth_codes(np.array([1.5, np.inf, 80.0]), 1000).tolist()
     [1500, 0, 0]
     """
@@ -62,8 +56,6 @@ def depth_codes(depth_m: NDArray[np.floating], codes_per_m: float) -> NDArray[np
 def quaternion_xyzw(pose: NDArray[np.float64]) -> NDArray[np.float64]:
     """The rotation of a (4, 4) pose as a unit quaternion (x, y, z, w), w >= 0.
 
-    Examples
-    --------
     >>> quaternion_xyzw(np.eye(4)).tolist()
     [0.0, 0.0, 0.0, 1.0]
     """
@@ -78,8 +70,6 @@ def at_full_resolution(camera: Camera) -> Camera:
     A point at x of the simulated image lies at ``(x + 0.5) * b - 0.5`` of the whole one, with b its
     `Camera.simulated_binning`. Photosites that the camera itself bins stay one pixel.
 
-    Examples
-    --------
     >>> camera = Camera("c", 320, 240, pixel_um=2.0, focal_length_mm=4.0, binning=2)
     >>> full = at_full_resolution(camera)
     >>> full.width_px, full.focal_length_px / camera.focal_length_px, full.centre_px
@@ -99,8 +89,6 @@ def at_full_resolution(camera: Camera) -> Camera:
 def stamp_ns(time_s: float) -> int:
     """A time of an episode as a stamp in whole nanoseconds, as ROS and EuRoC count [s to ns].
 
-    Examples
-    --------
     >>> stamp_ns(0.05)
     1400000000050000000
     """
@@ -110,8 +98,6 @@ def stamp_ns(time_s: float) -> int:
 def stamp_s(time_s: float) -> str:
     """The same stamp in seconds, with six decimals.
 
-    Examples
-    --------
     >>> stamp_s(10.05)
     '1400000010.050000'
     """
@@ -122,8 +108,6 @@ def stamp_s(time_s: float) -> str:
 def centre_from_corner_px(camera: Camera) -> tuple[float, float]:
     """The principal point where (0, 0) is the corner of the image, as COLMAP and NeRF count [px].
 
-    Examples
-    --------
     >>> centre_from_corner_px(Camera("c", 640, 480, pixel_um=2.0, focal_length_mm=4.0))
     (320.0, 240.0)
     """

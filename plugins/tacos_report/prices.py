@@ -20,8 +20,6 @@ def price_words(camera: Mapping[str, Any]) -> str:
 
     Currencies are not converted: each has a sum of its own.
 
-    Examples
-    --------
     >>> sensor, lens = {"name": "A", "price_eur": 40.5}, {"name": "B", "price_eur": 210.0}
     >>> price_words({"sensor": sensor, "lens": lens}).replace("\u202f", " ")
     '250.5 EUR: sensor 40.5 EUR, lens 210 EUR'

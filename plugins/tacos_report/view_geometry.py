@@ -75,15 +75,9 @@ def half_extents(hfov_deg: float, vfov_deg: float) -> Point:
 def footprint(extents: Point, pitch_deg: float, seen_from_pitch_deg: float) -> list[Point] | None:
     """The frame of one camera as another at the same place, of another pitch, sees it.
 
-    Parameters
-    ----------
-    extents
-        Half width and half height of the first camera's image [focal lengths].
+    - `extents`: half width and half height of the first camera's image [focal lengths].
 
-    Returns
-    -------
-    list of (x, y), or None
-        Corners from top left clockwise; None when one lies behind the other camera.
+    Returns: corners from top left clockwise; None when one lies behind the other camera.
     """
     turn = math.radians(pitch_deg - seen_from_pitch_deg)
     half_width, half_height = extents

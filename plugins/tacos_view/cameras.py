@@ -44,22 +44,15 @@ class CameraChoice:
 def choose_camera(plan: Plan, camera: CameraName = None, run: Path | None = None) -> CameraChoice:
     """The camera a user means.
 
-    Parameters
-    ----------
-    plan
-        The study whose rig builds it.
-    camera
-        The name of a product in the recipe's catalog of cameras, or of a camera of the run; or values by
-        the names of design variables and of variables of the rig, where a part of a catalog may be given by
-        its name. None stands for the camera the run has designed; without a run for the first product the
-        recipe compares with, or, where it names none, for the middle of the design space.
-    run
-        The results folder the study came from.
+    - `plan`: the study whose rig builds it.
+    - `camera`: the name of a product in the recipe's catalog of cameras, or of a camera of the run; or values
+      by the names of design variables and of variables of the rig, where a part of a catalog may be given by
+      its name. None stands for the camera the run has designed; without a run for the first product the
+      recipe compares with, or, where it names none, for the middle of the design space.
+    - `run`: the results folder the study came from.
 
-    Raises
-    ------
-    UserError
-        When there is no such camera, it is one of another kind of rig, or the rig refuses its values.
+    Raises UserError when there is no such camera, it is one of another kind of rig, or the rig refuses its
+    values.
     """
     if run is not None and not isinstance(camera, Mapping):
         return _checked(plan, _of_run(run, camera or DESIGNED))

@@ -215,8 +215,6 @@ def paint_sheet(figure: Figure, placed: Sequence[PlacedOutline], form: SheetForm
 def shortened(name: str, most: int) -> str:
     """A name of so many letters at most; the last word, which tells models apart, is cut last.
 
-    Examples
-    --------
     >>> shortened("Hikrobot MVL-KF0814M-12MPE", 19), shortened("IMX219", 16)
     ('…MVL-KF0814M-12MPE', 'IMX219')
     """

@@ -50,19 +50,13 @@ def effect_ladder(
 ) -> EffectLadder:
     """One frame with an effect at rising severities, with the same noise throughout.
 
-    Parameters
-    ----------
-    name
-        The effect, with or without ``effect.``.
-    settings
-        The severest settings; where empty, the effect's own guess of what is met in the field leads on.
-    seed
-        Which world; the recipe's if None.
+    - `name`: the effect, with or without ``effect.``.
+    - `settings`: the severest settings; where empty, the effect's own guess of what is met in the field leads
+      on.
+    - `seed`: which world; the recipe's if None.
 
-    Raises
-    ------
-    UserError
-        When there is no such effect, its settings are wrong, or it declares no severity and none is given.
+    Raises UserError when there is no such effect, its settings are wrong, or it declares no severity and none
+    is given.
     """
     use = name if name.startswith("effect.") else f"effect.{name}"
     cls = plugins.resolve(use, "effect")

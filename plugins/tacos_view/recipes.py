@@ -38,19 +38,12 @@ def study_recipe(
 ) -> Recipe:
     """The recipe of what a user names.
 
-    Parameters
-    ----------
-    what
-        A recipe as `tacos_framework.load_recipe` finds it, one built in Python, the results folder of a
-        study, or a scene by itself: ``scene.indoor``.
-    sets
-        Dotted keys and the values to put there, as of ``--set``. Of a scene by itself, its own settings
-        need no path: ``people`` is ``nodes.world.people``.
+    - `what`: a recipe as `tacos_framework.load_recipe` finds it, one built in Python, the results folder of a
+      study, or a scene by itself: ``scene.indoor``.
+    - `sets`: dotted keys and the values to put there, as of ``--set``. Of a scene by itself, its own settings
+      need no path: ``people`` is ``nodes.world.people``.
 
-    Raises
-    ------
-    UserError
-        When there is none, or with the faults of its form.
+    Raises UserError when there is none, or with the faults of its form.
     """
     if isinstance(what, Recipe):
         return _changed(what, sets, effects) if sets or effects else what

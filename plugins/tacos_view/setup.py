@@ -124,19 +124,11 @@ def set_up(
 ) -> RenderSetup:
     """A camera in a study's scenes, ready to take frames.
 
-    Parameters
-    ----------
-    recipe
-        What `tacos_view.recipes.study_recipe` takes: a recipe, a results folder, or ``scene.indoor``.
-    camera
-        What `tacos_view.cameras.choose_camera` takes: a name, values, or None for the default.
-    plugins
-        What is installed; it is looked up if None.
+    - `recipe`: what `tacos_view.recipes.study_recipe` takes: a recipe, a results folder, or ``scene.indoor``.
+    - `camera`: what `tacos_view.cameras.choose_camera` takes: a name, values, or None for the default.
+    - `plugins`: what is installed; it is looked up if None.
 
-    Raises
-    ------
-    UserError
-        With all that is wrong with the recipe, or with the camera.
+    Raises UserError with all that is wrong with the recipe, or with the camera.
     """
     plugins = plugins or Plugins.discover()
     plan = make_plan(study_recipe(recipe, sets, effects, plugins=plugins), plugins)

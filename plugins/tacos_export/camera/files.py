@@ -27,14 +27,9 @@ def write_camera_files(out: Path, cameras: Sequence[CameraDescription]) -> tuple
     ``NAME_noise.yaml``     system gain, dark noise, saturation capacity in the units of EMVA 1288
     ======================  ===============================================================================
 
-    Parameters
-    ----------
-    out
-        The folder; made where it is not there.
+    - `out`: the folder; made where it is not there.
 
-    Returns
-    -------
-    The files, and in a sentence each what they do not say.
+    Returns: the files, and in a sentence each what they do not say.
     """
     made_folder(out)
     written = []

@@ -42,8 +42,6 @@ def described_lens(camera: Camera) -> LensDescription:
 def fitted_powers(lens: Lens, widest_rad: float) -> tuple[tuple[float, ...], float]:
     """k1 .. k4 of Kannala and Brandt's model that follow a lens, and the largest distance [focal lengths].
 
-    Examples
-    --------
     >>> k, off = fitted_powers(Lens("equisolid"), math.radians(95))
     >>> round(k[0], 4), off < 1e-6  # - 1 / 24, as the sine's series has it
     (-0.0417, True)

@@ -58,9 +58,7 @@ def describe_noise(sensor: Sensor, camera: Camera, exposure: Exposure) -> NoiseD
 
     Any sensor is described, as every one gives mean and variance (`Sensor.moments`).
 
-    References
-    ----------
-    EMVA Standard 1288, Release 4.0 Linear, 2021, eq. 13: the photon transfer curve.
+    Source: EMVA Standard 1288, Release 4.0 Linear, 2021, eq. 13: the photon transfer curve.
     """
     black, white = sensor.black_level_dn, sensor.white_level_dn
     levels = black + np.array([0.0, 0.25]) * (white - black)

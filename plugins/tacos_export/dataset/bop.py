@@ -37,9 +37,8 @@ class BopWriter:
     the origin of a model is the middle of its box, its axes are those of the world. Whole silhouettes are
     those of triangles in front of a pinhole: distorted images are refused.
 
-    References
-    ----------
-    Hodaň et al. 2018, "BOP: benchmark for 6D object pose estimation", ECCV, and its toolkit, "BOP format".
+    Source: Hodaň et al. 2018, "BOP: benchmark for 6D object pose estimation", ECCV, and its toolkit, "BOP
+    format".
     """
 
     eight_bits: ClassVar[bool] = True

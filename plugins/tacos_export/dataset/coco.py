@@ -31,9 +31,8 @@ class CocoWriter:
     reads, and as polygons, for programs that know no others. Images of all cameras stand in one list;
     ``camera`` and ``frame`` of an image tell them apart.
 
-    References
-    ----------
-    Lin et al. 2014, "Microsoft COCO: Common Objects in Context", ECCV; cocodataset.org, "Data format".
+    Source: Lin et al. 2014, "Microsoft COCO: Common Objects in Context", ECCV; cocodataset.org, "Data
+    format".
     """
 
     eight_bits: ClassVar[bool] = True
@@ -93,8 +92,6 @@ class CocoWriter:
 def run_lengths(mask: NDArray[np.bool_]) -> list[int]:
     """Lengths of runs down the columns, beginning with a run of background, as COCO counts.
 
-    Examples
-    --------
     >>> run_lengths(np.array([[1, 0], [1, 1]], bool))
     [0, 2, 1, 1]
     """

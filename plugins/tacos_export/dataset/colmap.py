@@ -18,10 +18,8 @@ class ColmapWriter:
     Poses take points of the world to the camera, quaternions are w, x, y, z, and principal points count from
     the image's corner. There are no points: `colmap point_triangulator` finds them with poses held.
 
-    References
-    ----------
-    Schönberger and Frahm 2016, "Structure-from-motion revisited", CVPR, and "Output format"
-    of its documentation.
+    Source: Schönberger and Frahm 2016, "Structure-from-motion revisited", CVPR, and "Output format" of its
+    documentation.
     """
 
     eight_bits: ClassVar[bool] = True

@@ -26,9 +26,7 @@ class EurocWriter:
     The body is the agent, and ``T_BS`` takes points of a camera to it. There is no IMU, so that its
     biases are 0. Its ``radtan`` has no k3: a lens with one is refused.
 
-    References
-    ----------
-    Burri et al. 2016, "The EuRoC micro aerial vehicle datasets", IJRR 35(10).
+    Source: Burri et al. 2016, "The EuRoC micro aerial vehicle datasets", IJRR 35(10).
     """
 
     eight_bits: ClassVar[bool] = True

@@ -44,29 +44,18 @@ def export_dataset(
 ) -> list[str]:
     """Render frames and write them as a data set.
 
-    Parameters
-    ----------
-    out
-        The folder: new or empty.
-    format
-        One of `FORMATS`.
-    frames
-        How many consecutive frames of one trip, which may be over before.
-    seed
-        Which world; the recipe's if None.
-    encoding
-        How 8-bit images are encoded; None is ``srgb`` unless the recipe has a tone curve of its own.
-    progress
-        Told the number of frames written.
+    - `out`: the folder: new or empty.
+    - `format`: one of `FORMATS`.
+    - `frames`: how many consecutive frames of one trip, which may be over before.
+    - `seed`: which world; the recipe's if None.
+    - `encoding`: how 8-bit images are encoded; None is ``srgb`` unless the recipe has a tone curve of its
+      own.
+    - `progress`: told the number of frames written.
 
-    Returns
-    -------
-    In a sentence each, what a user of the data should know.
+    Returns: in a sentence each, what a user of the data should know.
 
-    Raises
-    ------
-    UserError
-        When there is no such format, it has no place for the rig or the encoding, or the folder is not empty.
+    Raises UserError when there is no such format, it has no place for the rig or the encoding, or the folder
+    is not empty.
     """
     writer_class = _writer(format)
     if out.is_dir() and any(out.iterdir()):

@@ -115,8 +115,6 @@ def labelled_classes(world: World) -> list[str]:
 def box_of(mask: NDArray[np.bool_]) -> tuple[int, int, int, int]:
     """First and last column and row of a mask with at least one pixel: left, top, right, bottom [px].
 
-    Examples
-    --------
     >>> box_of(np.array([[0, 0, 0], [0, 1, 1]], bool))
     (1, 1, 2, 1)
     """

@@ -35,10 +35,8 @@ class KittiWriter:
     unknown. ``poses.txt`` has the poses of the left camera, from where it was at first. Disparity is that of
     the true depth.
 
-    References
-    ----------
-    Geiger, Lenz and Urtasun 2012, "Are we ready for autonomous driving?", CVPR, and the development kits for
-    objects, depth, stereo and odometry.
+    Source: Geiger, Lenz and Urtasun 2012, "Are we ready for autonomous driving?", CVPR, and the development
+    kits for objects, depth, stereo and odometry.
     """
 
     eight_bits: ClassVar[bool] = True

@@ -26,9 +26,8 @@ class NerfWriter:
     intrinsics, which stand above them all as well where the rig has one camera. Positions are those of the
     scene, near its origin: ``origin_m`` is to be added for coordinates of the file.
 
-    References
-    ----------
-    Mildenhall et al. 2020, "NeRF", ECCV; Müller et al. 2022, "Instant neural graphics primitives", ACM TOG.
+    Source: Mildenhall et al. 2020, "NeRF", ECCV; Müller et al. 2022, "Instant neural graphics primitives",
+    ACM TOG.
     """
 
     eight_bits: ClassVar[bool] = True

@@ -13,8 +13,6 @@ def polygons(mask: NDArray[np.bool_]) -> list[list[float]]:
     A list of polygons is their union, so that a hole is joined to its piece by a slit of no width. Outlines
     lie a quarter of a pixel inside the mask: whoever fills them gets it back, however they are rounded.
 
-    Examples
-    --------
     >>> polygons(np.array([[0, 0], [0, 1]], bool))
     [[1.25, 1.25, 1.25, 1.75, 1.75, 1.75, 1.75, 1.25]]
     """

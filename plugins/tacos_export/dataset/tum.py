@@ -18,9 +18,8 @@ class TumWriter:
     The first camera is written. Lines of the ground truth are ``timestamp tx ty tz qx qy qz qw``: the pose of
     the camera in the world.
 
-    References
-    ----------
-    Sturm et al. 2012, "A benchmark for the evaluation of RGB-D SLAM systems", IROS, and its file formats.
+    Source: Sturm et al. 2012, "A benchmark for the evaluation of RGB-D SLAM systems", IROS, and its file
+    formats.
     """
 
     eight_bits: ClassVar[bool] = True

@@ -23,9 +23,7 @@ class YoloWriter:
     image's width and height. Images without labelled things have an empty file. ``data.yaml`` names one
     folder for training and validation: frames of one trip are alike, unseen ones come of another ``--seed``.
 
-    References
-    ----------
-    Redmon et al. 2016, "You only look once", CVPR, in the layout of darknet and Ultralytics.
+    Source: Redmon et al. 2016, "You only look once", CVPR, in the layout of darknet and Ultralytics.
     """
 
     eight_bits: ClassVar[bool] = True

@@ -38,16 +38,11 @@ def detection_limits(
     One capture of each kind, the brightest, stands for all of its kind, so that the price is bounded: two
     simulations of each for every effect. Views of boards are adjusted together, and all count.
 
-    Parameters
-    ----------
-    left
-        (K,) residuals beside the explanation: what noise there is for an effect to hide in [noise floor].
+    - `left`: (K,) residuals beside the explanation: what noise there is for an effect to hide in [noise
+      floor].
 
-    Returns
-    -------
-    dict
-        By effect, its main parameter (the first that its initial guesses move) and the value, in the unit of
-        that parameter; effects that no capture shows, and those without such a parameter, are left out.
+    Returns: by effect, its main parameter (the first that its initial guesses move) and the value, in the
+    unit of that parameter; effects that no capture shows, and those without such a parameter, are left out.
     """
     terms = [term for name, cls in effects.items() if (term := _beginning(name, cls)) is not None]
     probe = _Probe.of(problem, left)

@@ -77,22 +77,13 @@ def diagnose(
     those that surely are not are not looked for. An effect that raises is left out, and named in the
     limitations.
 
-    Parameters
-    ----------
-    workers
-        Threads. Each measures captures of its own.
-    simulations
-        Those of all captures after which no further effect is looked for; by default as many as take about a
-        minute of processor time.
-    keep
-        Given what is known so far, first what arithmetic tells, then each explanation that is found.
-    begun
-        An explanation that an earlier search had come to; this one goes on from there.
+    - `workers`: Threads. Each measures captures of its own.
+    - `simulations`: those of all captures after which no further effect is looked for; by default as many as
+      take about a minute of processor time.
+    - `keep`: given what is known so far, first what arithmetic tells, then each explanation that is found.
+    - `begun`: an explanation that an earlier search had come to; this one goes on from there.
 
-    Raises
-    ------
-    NothingMeasured
-        When no capture can be measured.
+    Raises NothingMeasured when no capture can be measured.
     """
     tell = notify or (lambda text: None)
     considered = effects if isinstance(effects, Candidates) else Candidates(effects)

@@ -239,8 +239,6 @@ def short(value: float) -> float:
 def as_fine_as(width: float, value: float) -> float:
     """A value to three digits of a width.
 
-    Examples
-    --------
     >>> as_fine_as(0.00004812, 1.003212345)
     1.0032123
     """

@@ -21,10 +21,8 @@ def physical_settings_of(
 ) -> dict[str, tuple[str, float]]:
     """Settings in pixels and digital numbers of a camera's photosites, in physical units.
 
-    Returns
-    -------
-    dict
-        Setting -> physical setting and its value, where there is one and the camera is known well enough.
+    Returns: setting -> physical setting and its value, where there is one and the camera is known well
+    enough.
     """
     found = {}
     for name, image_name in physical_settings(kind).items():

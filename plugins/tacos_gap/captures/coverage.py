@@ -12,10 +12,7 @@ from tacos_gap.captures.capture import RealCapture
 def untold(captures: Sequence[RealCapture], effects: Mapping[str, type[Any]]) -> dict[str, list[str]]:
     """Effects that captures cannot show, or not tell from others, by what would: as the effects declare it.
 
-    Returns
-    -------
-    dict
-        What to photograph -> names of the effects that need it.
+    Returns: what to photograph -> names of the effects that need it.
     """
     lacking: dict[str, list[str]] = {}
     for name, cls in effects.items():

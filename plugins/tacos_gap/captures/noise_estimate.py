@@ -37,14 +37,10 @@ def estimate_noise(
     Differences of frames give the variance where there are two; else a high-pass that lets no plane through
     (Immerkaer 1996, "Fast noise variance estimation", CVIU 64(2)), by its median, so that edges count little.
 
-    Parameters
-    ----------
-    expected_dn
-        Expected values, so that edges and mosaics are not taken for noise; None where there are none.
-    valid
-        (H, W) pixels that count.
-    mosaic
-        True if neighbours have other colours.
+    - `expected_dn`: expected values, so that edges and mosaics are not taken for noise; None where there are
+      none.
+    - `valid`: (H, W) pixels that count.
+    - `mosaic`: true if neighbours have other colours.
     """
     static = len(real_dn) > 1 and (expected_dn is None or len(expected_dn) == 1)
     if static:  # pixels by themselves tell it, and some of many do

@@ -30,16 +30,10 @@ _ASSUMED_MS = 30.0
 def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFolder:
     """Read ``captures.yaml`` and every file it names.
 
-    Parameters
-    ----------
-    render
-        Renders expected values for captures that name a `scene` recipe; without it they are refused.
+    - `render`: renders expected values for captures that name a `scene` recipe; without it they are refused.
 
-    Raises
-    ------
-    UserError
-        With every fault found: wrong entries with line and column, files that are missing, cannot be read,
-        or do not fit.
+    Raises UserError with every fault found: wrong entries with line and column, files that are missing,
+    cannot be read, or do not fit.
     """
     path, document, entry = read_entries(folder)
     reader = _Reader(path.parent, document, entry, render)

@@ -17,15 +17,10 @@ _VARIANCES_DN2 = np.geomspace(1e-4, 1.0, 200)
 def before_rounding(variance_dn2: float, level_dn: float) -> float:
     """Variance of normal noise before it was rounded, never below 0 [DN^2].
 
-    Parameters
-    ----------
-    variance_dn2
-        Of the whole numbers.
-    level_dn
-        Their mean: little noise about a whole number is mostly rounded away, midway between two it shows.
+    - `variance_dn2`: of the whole numbers.
+    - `level_dn`: their mean: little noise about a whole number is mostly rounded away, midway between two it
+      shows.
 
-    Examples
-    --------
     >>> before_rounding(4.0, 100.0) == 4.0 - ROUNDING_DN2
     True
     >>> round(before_rounding(0.0498, 8.0), 3)  # a pedestal of 8, and noise of .255 DN

@@ -35,14 +35,10 @@ _GLIMPSE = 997  # every so manieth value is compared before all of them are
 class SimulatedStatistics:
     """Simulates a capture and measures what comes out.
 
-    Parameters
-    ----------
-    expectation
-        The same capture with what is expected of it now; `capture` itself, or one that nuisances have moved.
-    taken
-        Which numbers are taken; all that are finite in the real frames by default.
-    numbers
-        Remembers the noise of the first draw; by default nobody else's.
+    - `expectation`: the same capture with what is expected of it now; `capture` itself, or one that nuisances
+      have moved.
+    - `taken`: which numbers are taken; all that are finite in the real frames by default.
+    - `numbers`: remembers the noise of the first draw; by default nobody else's.
     """
 
     def __init__(
@@ -94,14 +90,9 @@ class SimulatedStatistics:
     ) -> NDArray[np.float64]:
         """(K,) statistics of frames of `of`, against the expectation where it stands.
 
-        Parameters
-        ----------
-        of
-            What is expected of the frames.
-        draw
-            Number of the draw; the same draws give noise that is comparable.
-        noise_share
-            Variance of the noise in the expectation, over that of a frame.
+        - `of`: what is expected of the frames.
+        - `draw`: number of the draw; the same draws give noise that is comparable.
+        - `noise_share`: variance of the noise in the expectation, over that of a frame.
         """
         draws = EpisodeDraws(self._seed, ("gap", self.capture.id, draw))
         light = self._light if of is self.expectation else None

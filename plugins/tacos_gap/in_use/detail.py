@@ -41,9 +41,7 @@ def detail_of(source: Source, motion: Motion, name: str, index: int, reference: 
 
     The shorter frame is brought to the moment of the longer one by the motion, so that tiles show the same.
 
-    Returns
-    -------
-    None where too few tiles have detail above the noise and below clipping.
+    Returns None where too few tiles have detail above the noise and below clipping.
     """
     frames, shorter = source.recording.exposures[name], source.recording.exposures[reference]
     ratio = np.float32(frames.exposure_ms / shorter.exposure_ms)

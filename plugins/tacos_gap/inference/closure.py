@@ -22,8 +22,6 @@ def closure(before: float, after: float, floor: float = 1.0) -> float:
     It is ``(before^2 - after^2) / (before^2 - floor^2)``: squares of independent differences add up, so that
     what each of several effects removes does, too.
 
-    Examples
-    --------
     >>> closure(before=7.0, after=5.0)
     0.5
     """
@@ -35,13 +33,8 @@ def closure(before: float, after: float, floor: float = 1.0) -> float:
 def shapley(names: Sequence[str], value: Callable[[tuple[str, ...]], float]) -> dict[str, float]:
     """Fair share of each effect in what all achieve together, by exact enumeration (Shapley 1953).
 
-    Parameters
-    ----------
-    value
-        What a subset achieves, its names in the order of `names`; nothing achieves 0.
+    - `value`: what a subset achieves, its names in the order of `names`; nothing achieves 0.
 
-    Examples
-    --------
     >>> shapley(("a", "b"), lambda s: {(): 0, ("a",): 0.6, ("b",): 0.2, ("a", "b"): 1.0}[s])
     {'a': 0.7, 'b': 0.3}
     """

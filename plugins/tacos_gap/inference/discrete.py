@@ -30,14 +30,9 @@ def searched(
 ) -> Hypothesis:
     """A hypothesis with the discrete settings of its last effect where they leave least.
 
-    Parameters
-    ----------
-    hypothesis
-        One that its effects allow; the parameters that are fitted stay as they are.
-    part
-        (K,) the numbers that count; all by default.
-    farthest
-        The longest stride over whole numbers; past the next initial guess by default.
+    - `hypothesis`: one that its effects allow; the parameters that are fitted stay as they are.
+    - `part`: (K,) the numbers that count; all by default.
+    - `farthest`: the longest stride over whole numbers; past the next initial guess by default.
     """
     *rest, term = hypothesis
     whole, words = whole_numbers(term), words_of(term)

@@ -73,15 +73,10 @@ def fit(
 ) -> Fitted | None:
     """Fit all free parameters of a hypothesis together, well enough to tell whether it is worth finishing.
 
-    Parameters
-    ----------
-    near
-        A fit of most of its effects in the same units: how residuals move with the parameters that both have
-        is not simulated again.
+    - `near`: a fit of most of its effects in the same units: how residuals move with the parameters that both
+      have is not simulated again.
 
-    Returns
-    -------
-    None where its start is refused.
+    Returns None where its start is refused.
     """
     z = problem.residual(hypothesis)
     if z is None:

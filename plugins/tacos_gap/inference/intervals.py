@@ -37,15 +37,9 @@ def half_widths(problem: Problem, fitted: Fitted, confidence: float = 0.9) -> ND
 
     Parameters that were put back to neutral for want of evidence are uncertain too, and make others so.
 
-    Parameters
-    ----------
-    fitted
-        The explanation, where its fit ended.
+    - `fitted`: the explanation, where its fit ended.
 
-    Returns
-    -------
-    NDArray
-        (P,) in the parameters' units; finite and above 0.
+    Returns: (P,) in the parameters' units; finite and above 0.
     """
     if not len(fitted.steps):
         return np.zeros(0)
@@ -105,10 +99,8 @@ def spread_between(
 
     Groups count as far as they bear on a parameter: of ten captures of which two do there are two.
 
-    References
-    ----------
-    Efron & Tibshirani 1993, "An Introduction to the Bootstrap", Eq. 11.5; Kish 1965, "Survey Sampling": the
-    effective number.
+    Source: Efron & Tibshirani 1993, "An Introduction to the Bootstrap", Eq. 11.5; Kish 1965, "Survey
+    Sampling": the effective number.
     """
     estimator, _ = _estimator(jacobian)
     everything = jacobian.T @ jacobian

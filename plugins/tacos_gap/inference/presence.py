@@ -21,8 +21,6 @@ class Proof:
     def by(self, share: float) -> float:
         """Score from 0 to 1 that nothing unknown looks like an effect that explains such a share.
 
-        Examples
-        --------
         >>> BY_STATISTICS.by(0.5), round(BY_STATISTICS.by(0.8), 2), BY_STATISTICS.by(0.95)
         (0.0, 0.4, 1.0)
         """

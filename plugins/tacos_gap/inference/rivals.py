@@ -22,10 +22,8 @@ def standard_error(problem: Problem, one: Fitted, other: Fitted) -> float:
     formula misses there could as well lean to the other side. So could what is negligible: all numbers of a
     block may be off by their equivalence margins together, however little noise there is.
 
-    References
-    ----------
-    Vuong 1989, "Likelihood ratio tests for model selection and non-nested hypotheses", Econometrica 57(2);
-    McCullagh & Nelder 1989, "Generalized Linear Models", Sec. 4.5: overdispersion.
+    Source: Vuong 1989, "Likelihood ratio tests for model selection and non-nested hypotheses", Econometrica
+    57(2); McCullagh & Nelder 1989, "Generalized Linear Models", Sec. 4.5: overdispersion.
     """
     if not len(one.z):
         return 0.0
@@ -50,18 +48,11 @@ def slot_probabilities(scores: Mapping[str, float], errors: Mapping[str, float])
     The odds against the best are the mean odds over the uncertainty of the difference, so that a rival
     within two standard errors is never ruled out.
 
-    Parameters
-    ----------
-    errors
-        Standard error of each score's difference to that of the effect itself [nat]; 0 where missing.
+    - `errors`: standard error of each score's difference to that of the effect itself [nat]; 0 where missing.
 
-    References
-    ----------
-    MacKay 1992, "The evidence framework applied to classification networks", Neural Computation 4(5), Eq. 10:
-    a logistic function averaged over a Gaussian.
+    Source: MacKay 1992, "The evidence framework applied to classification networks", Neural Computation 4(5),
+    Eq. 10: a logistic function averaged over a Gaussian.
 
-    Examples
-    --------
     >>> {name: round(p, 3) for name, p in slot_probabilities({"a": 0.0, "b": -8.0}, {}).items()}
     {'a': 1.0, 'b': 0.0}
     >>> {name: round(p, 3) for name, p in slot_probabilities({"a": 0.0, "b": -8.0}, {"b": 6.0}).items()}

@@ -47,14 +47,9 @@ def block_test(
     scaled chi-squared (Satterthwaite 1946, Biometrics Bulletin 2(6)) whose scale is as uncertain as B of them
     leave it.
 
-    Parameters
-    ----------
-    replicates
-        (B, K) the simulator against itself [noise floor].
-    blocks
-        (K,) the block of each number.
-    slack
-        What residuals may exceed the noise floor by, as a factor.
+    - `replicates`: (B, K) the simulator against itself [noise floor].
+    - `blocks`: (K,) the block of each number.
+    - `slack`: what residuals may exceed the noise floor by, as a factor.
     """
     count = int(blocks.max()) + 1 if blocks.size else 0
     sizes = np.bincount(blocks, minlength=count)

@@ -31,15 +31,9 @@ def shares_of_priors(poses: Sequence[Mapping[str, float]], groups: Sequence[str]
     about the common value is taken at the upper end of its interval (Student 1908), so few captures keep
     their prior.
 
-    Parameters
-    ----------
-    poses
-        For each capture what its pose is off by, in standard deviations of the priors.
-    groups
-        What was set up together: captures of one group have one pose, and count once.
+    - `poses`: for each capture what its pose is off by, in standard deviations of the priors.
+    - `groups`: what was set up together: captures of one group have one pose, and count once.
 
-    Examples
-    --------
     >>> turned = [dict.fromkeys(POSE_TERMS, 0.6 + off) for off in (0.01, 0, 0.02, 0)]
     >>> sorted(shares_of_priors(turned, ["a", "b", "c", "d"]))
     ['rotation_deg', 'scale', 'shift_x_px', 'shift_y_px', 'tilt_x_deg', 'tilt_y_deg']

@@ -18,13 +18,8 @@ def light_beyond_stated(
 ) -> list[str]:
     """In a sentence each for brighter and dimmer captures: by how much, and what would make it a cause.
 
-    Parameters
-    ----------
-    nuisances
-        For each capture what its expectation is off by, as in ``diagnosis.json``.
+    - `nuisances`: for each capture what its expectation is off by, as in ``diagnosis.json``.
 
-    Examples
-    --------
     >>> from types import SimpleNamespace as Capture
     >>> lamp = {"id": "flat", "level_uncertainty": 0.05}
     >>> light_beyond_stated([Capture(**lamp)], {"flat": {"gain": 1.08}})

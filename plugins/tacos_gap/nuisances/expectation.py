@@ -56,16 +56,10 @@ def homography(
     A plane tilted by a small angle shows a point at (x, y) about the principal point at (x, y) / (1 + x
     tan(tilt) / f), for a tilt along x (Hartley and Zisserman 2004, 8.1).
 
-    Parameters
-    ----------
-    shift_px
-        Along x and y.
-    rotation_deg
-        About the optical axis.
-    scale
-        Magnification less 1.
-    tilt_x_deg, tilt_y_deg
-        By which the plane recedes along x and y.
+    - `shift_px`: along x and y.
+    - `rotation_deg`: about the optical axis.
+    - `scale`: magnification less 1.
+    - `tilt_x_deg`, `tilt_y_deg`: by which the plane recedes along x and y.
     """
     turn = np.radians(rotation_deg)
     cos, sin = (1 + scale) * np.cos(turn), (1 + scale) * np.sin(turn)

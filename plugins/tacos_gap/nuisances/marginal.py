@@ -47,14 +47,9 @@ class Marginal:
     ) -> NDArray[np.float64]:
         """(B, K) whitened replicates of a simulator whose nuisances are drawn from the priors.
 
-        Parameters
-        ----------
-        z
-            (B, K) replicates around the mean of the simulator.
-        nuisances
-            (B, F) drawn nuisances [standard deviations].
-        scale
-            As of `whitened`.
+        - `z`: (B, K) replicates around the mean of the simulator.
+        - `nuisances`: (B, F) drawn nuisances [standard deviations].
+        - `scale`: as of `whitened`.
         """
         if not self.nu.size:
             return z

@@ -30,15 +30,9 @@ def expectation_noise(
 ) -> NDArray[np.float32] | None:
     """Another draw of the expectation's noise; None where it has none.
 
-    Parameters
-    ----------
-    share
-        Its variance, over that of one frame.
+    - `share`: its variance, over that of one frame.
 
-    Returns
-    -------
-    NDArray
-        (1 or N, H, W, C) [DN].
+    Returns: (1 or N, H, W, C) [DN].
     """
     if not share:
         return None

@@ -38,10 +38,7 @@ _LEVELS_AGREE = 0.005
 class CameraFound:
     """The entry ``camera`` of a folder.
 
-    Parameters
-    ----------
-    source
-        Key -> where the value is from, for a comment.
+    - `source`: key -> where the value is from, for a comment.
     """
 
     entry: dict[str, Any]
@@ -53,19 +50,11 @@ class CameraFound:
 def camera_of(pictures: Sequence[Picture], given: Given, focal_px: float | None) -> CameraFound:
     """Put together what pictures say of their camera.
 
-    Parameters
-    ----------
-    pictures
-        All of one size.
-    given
-        What was said on the command line.
-    focal_px
-        Focal length by the views of a board; None without them [px].
+    - `pictures`: all of one size.
+    - `given`: what was said on the command line.
+    - `focal_px`: focal length by the views of a board; None without them [px].
 
-    Raises
-    ------
-    UserError
-        When what was said contradicts the pictures.
+    Raises UserError when what was said contradicts the pictures.
     """
     width, height = pictures[0].size_px
     channels = 1 if all(picture.mono for picture in pictures) else 3

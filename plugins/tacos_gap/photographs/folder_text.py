@@ -28,18 +28,11 @@ def folder_text(
 ) -> str:
     """Text that `read_captures` reads.
 
-    Parameters
-    ----------
-    folder
-        Its name, for the header.
-    camera
-        The entry `camera`, each value with where it is from.
-    captures
-        The entries of `captures`.
-    guesses
-        What nothing says; a comment each, also above the captures they are about.
-    doubts
-        Sentences on what is unsure; they become comments.
+    - `folder`: its name, for the header.
+    - `camera`: the entry `camera`, each value with where it is from.
+    - `captures`: the entries of `captures`.
+    - `guesses`: what nothing says; a comment each, also above the captures they are about.
+    - `doubts`: sentences on what is unsure; they become comments.
     """
     lines = [_comment(line) for line in _HEADER.format(folder=shlex.quote(folder)).splitlines()]
     for title, texts in (("Guessed:", [guess.text for guess in guesses]), ("Unsure of:", doubts)):

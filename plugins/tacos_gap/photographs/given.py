@@ -25,10 +25,7 @@ FILTERS = ("RGGB", "BGGR", "GRBG", "GBRG")
 class Given:
     """What the photographer says of camera and board; None leaves it to the files.
 
-    Raises
-    ------
-    UserError
-        When a number cannot be that of a camera or of a board; all of them together.
+    Raises UserError when a number cannot be that of a camera or of a board; all of them together.
     """
 
     pixel_um: float | None = None

@@ -33,18 +33,11 @@ _ORDER = ("dark", "flat", "bracket", "edge", "board", "chart", "sequence", "scen
 class Imported:
     """What an import made.
 
-    Parameters
-    ----------
-    path
-        The ``captures.yaml`` it wrote.
-    entries
-        The entries of its captures.
-    camera
-        The entry `camera`.
-    guesses
-        What it took for true although nothing says it.
-    doubts
-        What else it was unsure of, in sentences.
+    - `path`: the ``captures.yaml`` it wrote.
+    - `entries`: the entries of its captures.
+    - `camera`: the entry `camera`.
+    - `guesses`: what it took for true although nothing says it.
+    - `doubts`: what else it was unsure of, in sentences.
     """
 
     path: Path
@@ -63,23 +56,14 @@ def import_photographs(
 ) -> Imported:
     """Sort photographs, copy them into a new folder, and write its ``captures.yaml``.
 
-    Parameters
-    ----------
-    sources
-        Files and folders, searched through; RAW is taken where a JPEG of the same name lies beside it.
-    out
-        The folder, new or empty.
-    given
-        What the photographer says of camera, board and pictures.
-    notify
-        Told which file is looked at.
-    answered
-        Adds the photographer's answers to what was given; None leaves all guesses as they are.
+    - `sources`: files and folders, searched through; RAW is taken where a JPEG of the same name lies beside
+      it.
+    - `out`: the folder, new or empty.
+    - `given`: what the photographer says of camera, board and pictures.
+    - `notify`: told which file is looked at.
+    - `answered`: adds the photographer's answers to what was given; None leaves all guesses as they are.
 
-    Raises
-    ------
-    UserError
-        When there are no pictures, none can be read, or `out` is not empty or cannot be written.
+    Raises UserError when there are no pictures, none can be read, or `out` is not empty or cannot be written.
     """
     given = given or Given()
     paths, others, doubts = pictures_in(sources)

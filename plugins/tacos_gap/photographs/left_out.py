@@ -14,13 +14,8 @@ _NAMED = 20
 def left_out(reasons: Iterable[tuple[str, str]]) -> list[str]:
     """Why files are left out, those of one reason together.
 
-    Parameters
-    ----------
-    reasons
-        Name of each file, and what is said of it, without a full stop at its end.
+    - `reasons`: name of each file, and what is said of it, without a full stop at its end.
 
-    Examples
-    --------
     >>> left_out([("a.png", "has 8 bits"), ("b.png", "is empty"), ("c.png", "is empty")])
     ['a.png is left out: it has 8 bits.', 'b.png and c.png are left out: each is empty.']
     """

@@ -43,8 +43,6 @@ _OF_WALLS = frozenset(
 def settings_in_name(stem: str) -> dict[str, Any]:
     """Settings that the name of a file says, by their names in `Facts`.
 
-    Examples
-    --------
     >>> settings_in_name("wall_ISO800_f2.8_1-250s"), settings_in_name("dark_gain12dB_0.5s")
     ({'exposure_ms': 4.0, 'iso': 800.0, 'f_number': 2.8}, {'exposure_ms': 500.0, 'gain_db': 12.0})
     """
@@ -59,8 +57,6 @@ def settings_in_name(stem: str) -> dict[str, Any]:
 def time_in_name_ms(stem: str) -> float | None:
     """The shutter time that the name of a file says; None where it says none, or may mean two [ms].
 
-    Examples
-    --------
     >>> time_in_name_ms("dark_20ms"), time_in_name_ms("shelf_1-250s_0"), time_in_name_ms("dark_1_30s")
     (20.0, 4.0, None)
     """
@@ -81,8 +77,6 @@ def time_in_name_ms(stem: str) -> float | None:
 def possible_time_ms(stem: str) -> float | None:
     """What ``1_250`` is if it is a shutter time, which only the brightness of several pictures can tell [ms].
 
-    Examples
-    --------
     >>> possible_time_ms("shelf_1_250"), possible_time_ms("IMG_1_251"), possible_time_ms("IMG_2_250")
     (4.0, None, None)
     """
@@ -108,8 +102,6 @@ def _fractions(stem: str) -> Iterator[tuple[str, str, str, float, str | None]]:
 def kind_in_name(path: Path) -> str | None:
     """The kind, dark or flat, that the words in the name of a file say, or else those of its folder.
 
-    Examples
-    --------
     >>> kind_in_name(Path("a/LensCap_01.png")), kind_in_name(Path("flats/3.png")), kind_in_name(Path("a.png"))
     ('dark', 'flat', None)
     """

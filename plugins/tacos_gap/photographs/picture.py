@@ -24,24 +24,14 @@ USUAL_DEPTH = 12
 class Picture:
     """A photograph; its samples are read again when they are needed.
 
-    Parameters
-    ----------
-    facts, shown
-        What it says and shows.
-    mono
-        Whether it has one channel, or three that are equal.
-    channels
-        Channels of the file.
-    sample
-        Type of its samples, as NumPy calls it.
-    bits
-        Bits of the camera, as far as its type and largest value tell.
-    middle_dn, largest_dn
-        Middle and largest value of the file [DN].
-    used_bits
-        Bits that any of its values uses.
-    lattice
-        Whether its pixels differ two by two, as behind a mosaic of filters.
+    - `facts`, `shown`: what it says and shows.
+    - `mono`: whether it has one channel, or three that are equal.
+    - `channels`: channels of the file.
+    - `sample`: type of its samples, as NumPy calls it.
+    - `bits`: bits of the camera, as far as its type and largest value tell.
+    - `middle_dn`, `largest_dn`: middle and largest value of the file [DN].
+    - `used_bits`: bits that any of its values uses.
+    - `lattice`: whether its pixels differ two by two, as behind a mosaic of filters.
     """
 
     path: Path
@@ -74,10 +64,7 @@ def printable_name(path: Path) -> str:
 def look_at(path: Path, black_dn: float | None, bit_depth: int | None, cfa: str | None = None) -> Picture:
     """Read a photograph and look at it, knowing its black level, bits and filters, or not.
 
-    Raises
-    ------
-    UserError
-        When the file is no picture, or holds no digital numbers.
+    Raises UserError when the file is no picture, or holds no digital numbers.
     """
     facts = read_facts(path)
     image = read_image(path, str(path))

@@ -37,8 +37,6 @@ LEFT_AFTER_ANOTHER = 0.7
 def done_after(share: float, text: str) -> float:
     """Share of the time that is gone once a stage begins; `share` was gone before.
 
-    Examples
-    --------
     >>> done_after(0.0, "trying effects"), done_after(0.1, "vignetting"), done_after(0.5, "vignetting + prnu")
     (0.1, 0.4, 0.65)
     """
@@ -56,8 +54,6 @@ def time_left_s(elapsed_s: float, share: float) -> float | None:
 def roughly(seconds: float) -> str:
     """An estimate, no finer than it is.
 
-    Examples
-    --------
     >>> roughly(42.0), roughly(530.0)
     ('50 s', '9 min')
     """

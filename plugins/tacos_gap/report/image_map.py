@@ -29,14 +29,10 @@ Box = tuple[int, int, int, int]
 def image_map(name: str, numbers: Numbers, *, before: str, after: str | None, narrow: bool = False) -> str:
     """SVG of two maps on one scale.
 
-    Parameters
-    ----------
-    numbers
-        Numbers with a ``box_px`` each; where several captures or channels share a box, their mean is shown.
-    before, after
-        Titles of the maps; without `after` there is one.
-    narrow
-        For the width of a phone: the maps stand below each other.
+    - `numbers`: numbers with a ``box_px`` each; where several captures or channels share a box, their mean is
+      shown.
+    - `before`, `after`: titles of the maps; without `after` there is one.
+    - `narrow`: for the width of a phone: the maps stand below each other.
     """
     view = view_of(numbers.statistic)
     boxes, fields = _fields(numbers)

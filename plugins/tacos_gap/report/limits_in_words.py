@@ -23,15 +23,10 @@ def limits_in_words(
 ) -> dict[str, str]:
     """By effect, the least that would have shown.
 
-    Parameters
-    ----------
-    limits
-        As `Diagnosis.detectable`.
-    effects
-        Classes of the effects by name; they know the units and neutral values of the parameters that have no
-        words of their own.
-    geometry
-        Of the captured camera, whose corner counts.
+    - `limits`: as `Diagnosis.detectable`.
+    - `effects`: classes of the effects by name; they know the units and neutral values of the parameters that
+      have no words of their own.
+    - `geometry`: of the captured camera, whose corner counts.
     """
     said = {}
     for effect, values in sorted(limits.items()):
@@ -143,8 +138,6 @@ _UNITS = {"px": "px", "deg": "deg", "dn": "DN", "mm": "mm", "s": "s", "us": "us"
 def _from(neutral: Any, value: float) -> float:
     """A value to two digits of how far it is from neutral.
 
-    Examples
-    --------
     >>> _from(1.0, 1.02651), _from(None, -0.053964)
     (1.027, -0.054)
     """

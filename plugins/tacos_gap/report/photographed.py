@@ -108,8 +108,6 @@ def effects_not_shown(captures: Sequence[RealCapture], effects: Mapping[str, typ
 def nuisance_rows(nuisances: Mapping[str, Mapping[str, Any]]) -> tuple[tuple[str, str], ...]:
     """What the expectation of each capture was off by that is nobody's error; equal ones share a row.
 
-    Examples
-    --------
     >>> nuisance_rows({"flat_03": {"gain": 1.02, "shift_px": [0.31, -0.12]}})
     (('flat_03', 'gain 1.02, shift 0.31 \u22120.12 px'),)
     """

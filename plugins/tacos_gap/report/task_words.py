@@ -13,8 +13,6 @@ Found = Mapping[str, Any]
 def title(name: str) -> str:
     """A score as people call it.
 
-    Examples
-    --------
     >>> title("features.inlier_ratio")
     'features: inlier ratio'
     """
@@ -38,8 +36,6 @@ def hidden(found: Found) -> bool:
 def sentence(name: str, found: Found) -> str:
     """How far a score is off, and how far the causes bring it.
 
-    Examples
-    --------
     >>> ci = {"real": [165, 177], "sim_before": [220, 228], "sim_after": [170, 182]}
     >>> found = {"real": 171, "sim_before": 224, "sim_after": 176, "ci": ci}
     >>> sentence("features.inliers", found)

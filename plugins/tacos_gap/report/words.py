@@ -102,8 +102,6 @@ def _interval_after(name: str, parameter: Parameter) -> str:
 def picture_remainder(rms_dn: Sequence[float], noise_dn: float, *, explained: bool = True) -> str:
     """What pictures still differ by, and how much of that noise alone would leave.
 
-    Examples
-    --------
     >>> picture_remainder([6.02], 1.25)[:44]
     'The means differ by 6 DN (root mean square);'
     """
@@ -213,8 +211,6 @@ def cannot_tell(diagnosis: Diagnosis) -> list[str]:
 def gathered(limitations: Sequence[str]) -> list[str]:
     """Limitations that several captures share, said once.
 
-    Examples
-    --------
     >>> gathered(["a: one frame.", "b: one frame.", "c: too dark."])
     ['a and b: one frame.', 'c: too dark.']
     """
@@ -236,8 +232,6 @@ def first_of(names: Sequence[str]) -> str:
 def of_many(text: str) -> str:
     """What is said of one capture, said of several.
 
-    Examples
-    --------
     >>> of_many("its mask leaves no pixel; it is left out.")
     'their mask leaves no pixel; they are left out.'
     """

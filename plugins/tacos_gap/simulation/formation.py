@@ -39,24 +39,14 @@ def simulate(
 ) -> Samples:
     """Frames the simulator would have given instead of the real ones.
 
-    Parameters
-    ----------
-    effects
-        Effects as a recipe places them, in any order. Those that need what is not known of the capture, as
-        motion of a still, are left out.
-    draws
-        Generators by frame: the same draws give noise that is comparable between hypotheses.
-    frames
-        How many; as many as are real by default.
-    kept
-        Remembers the noise of these draws, where it is asked for again and again.
-    light
-        Remembers the light of this very capture, where it is simulated again and again.
+    - `effects`: effects as a recipe places them, in any order. Those that need what is not known of the
+      capture, as motion of a still, are left out.
+    - `draws`: generators by frame: the same draws give noise that is comparable between hypotheses.
+    - `frames`: how many; as many as are real by default.
+    - `kept`: remembers the noise of these draws, where it is asked for again and again.
+    - `light`: remembers the light of this very capture, where it is simulated again and again.
 
-    Returns
-    -------
-    NDArray
-        (N, H, W, C) float32 values of the file: whole numbers within its levels [DN].
+    Returns: (N, H, W, C) float32 values of the file: whole numbers within its levels [DN].
     """
     assert capture.expected_dn is not None
     expected = capture.expected_dn

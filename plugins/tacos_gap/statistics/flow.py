@@ -31,17 +31,10 @@ def smooth_field(places: NDArray[np.float64], flow: NDArray[np.float64]) -> NDAr
     Least absolute deviations, by reweighted least squares (Schlossmacher 1973), so that tiles that went
     astray do not matter.
 
-    Parameters
-    ----------
-    places
-        (T, 2) middles of tiles, of any unit.
-    flow
-        (2, T) their displacements [px].
+    - `places`: (T, 2) middles of tiles, of any unit.
+    - `flow`: (2, T) their displacements [px].
 
-    Returns
-    -------
-    NDArray
-        (2, T) the field there [px].
+    Returns: (2, T) the field there [px].
     """
     if not len(places):
         return flow

@@ -20,18 +20,11 @@ def part_from_mean(
 ) -> None:
     """Frames times a factor each, less their mean times `scale`, plus a constant each.
 
-    Parameters
-    ----------
-    frames
-        (N, H, S) samples, row by row.
-    mean
-        (H, S) their mean.
-    rows
-        (R,) those that are wanted.
-    over, added
-        (N, S) factor and constant of each frame, the same in every row.
-    noise
-        (N, R, S) is filled.
+    - `frames`: (N, H, S) samples, row by row.
+    - `mean`: (H, S) their mean.
+    - `rows`: (R,) those that are wanted.
+    - `over`, `added`: (N, S) factor and constant of each frame, the same in every row.
+    - `noise`: (N, R, S) is filled.
     """
     for frame in range(len(frames)):
         for place, row in enumerate(rows):

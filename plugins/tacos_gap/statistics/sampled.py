@@ -30,8 +30,6 @@ MIDDLE_SAMPLES = 1 << 16
 def noise_bands(shape: tuple[int, ...]) -> NDArray[np.int64]:
     """(B, R) rows of frames of a shape (N, H, W, C) for noise: bands spread evenly, or one band of all rows.
 
-    Examples
-    --------
     >>> noise_bands((2, 120, 160, 1)).shape, noise_bands((2, 1080, 1920, 3)).shape
     ((1, 120), (5, 16))
     """
@@ -46,8 +44,6 @@ def noise_bands(shape: tuple[int, ...]) -> NDArray[np.int64]:
 def sampled(values: NDArray[Number], count: int = MIDDLE_SAMPLES) -> NDArray[Number]:
     """(M,) of many values about so many, at equal distances that no rows or channels share a factor with.
 
-    Examples
-    --------
     >>> len(sampled(np.zeros((480, 640, 3), np.float32)))
     54212
     """

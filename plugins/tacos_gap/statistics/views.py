@@ -133,8 +133,6 @@ def position(value: Any) -> float:
 def place_words(at: Mapping[str, Any]) -> str:
     """A place in words: ``{"lag_px": [1, 0], "channel": "R"}`` becomes ``1, 0 R``.
 
-    Examples
-    --------
     >>> place_words({"lag_px": [1, 0], "channel": "mono"}), place_words({"end": "white"})
     ('1, 0', 'white')
     """

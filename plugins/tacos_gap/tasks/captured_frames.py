@@ -51,10 +51,7 @@ class CapturedView(View):
 def as_batch(capture: RealCapture, frames_dn: NDArray[np.float32]) -> FrameBatch:
     """Frames of a capture as those of a simulated walk.
 
-    Returns
-    -------
-    FrameBatch
-        Its view refuses to give what the capture does not carry.
+    The view of the batch refuses to give what the capture does not carry.
     """
     count, height, width = frames_dn.shape[:3]
     context, objects = capture.context, capture.objects

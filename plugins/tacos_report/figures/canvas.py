@@ -53,16 +53,10 @@ _NO_METADATA: dict[str, Any] = dict.fromkeys(("Creator", "Date", "Format", "Type
 def draw(name: str, size_in: tuple[float, float], description: str, paint: Callable[[Figure], None]) -> str:
     """An inline SVG of what `paint` puts on a figure.
 
-    Parameters
-    ----------
-    name
-        Unique among the drawings of a page; keeps the ids inside them apart.
-    size_in
-        Width and height [in]; it scales with the page.
-    description
-        Said in place of the picture to readers who do not see it.
-    paint
-        Draws in the light colours of `tacos_report.palette`.
+    - `name`: unique among the drawings of a page; keeps the ids inside them apart.
+    - `size_in`: width and height [in]; it scales with the page.
+    - `description`: said in place of the picture to readers who do not see it.
+    - `paint`: draws in the light colours of `tacos_report.palette`.
     """
     style: Any = {**_STYLE, "svg.hashsalt": name}
     with matplotlib.rc_context(style):

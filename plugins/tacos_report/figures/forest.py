@@ -22,14 +22,10 @@ def forest(
 ) -> str:
     """SVG of one row per comparison that has an interval.
 
-    Parameters
-    ----------
-    titles, indices
-        What people call each product, and its place among the cameras, which gives its colour.
-    margin
-        Differences below it count as none [fitness].
-    narrow
-        For the width of a phone: names and verdicts stand above the bars.
+    - `titles`, `indices`: what people call each product, and its place among the cameras, which gives its
+      colour.
+    - `margin`: differences below it count as none [fitness].
+    - `narrow`: for the width of a phone: names and verdicts stand above the bars.
     """
     said = "; ".join(
         f"{titles[each.against]} {signed(each.difference or 0.0)}, {verdicts.WORDS[each.verdict]}"

@@ -23,14 +23,9 @@ def parts_ranked(
     """SVG of one row per part: dot, 95 % interval, and the product that has it; a band is the interval of
     the first.
 
-    Parameters
-    ----------
-    products
-        By name of a part, the place of its product among the cameras (its colour) and its title.
-    designed
-        Names of the rows that have the designed camera's parts.
-    narrow
-        For the width of a phone.
+    - `products`: by name of a part, the place of its product among the cameras (its colour) and its title.
+    - `designed`: names of the rows that have the designed camera's parts.
+    - `narrow`: for the width of a phone.
     """
     said = ", ".join(f"{part.part} {number(part.fitness)}" for part in parts)
 

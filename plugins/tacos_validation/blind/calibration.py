@@ -70,12 +70,9 @@ def reliability(stated: Sequence[Stated]) -> list[Bin]:
 def expected_calibration_error(stated: Sequence[Stated]) -> float:
     """Mean distance of bins from the diagonal, by their counts; NaN without statements.
 
-    References
-    ----------
-    Naeini, Cooper and Hauskrecht 2015, "Obtaining well calibrated probabilities using Bayesian binning".
+    Source: Naeini, Cooper and Hauskrecht 2015, "Obtaining well calibrated probabilities using Bayesian
+    binning".
 
-    Examples
-    --------
     >>> round(expected_calibration_error([(0.9, True)] * 9 + [(0.9, False)]), 6)
     0.0
     """

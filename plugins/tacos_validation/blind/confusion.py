@@ -98,8 +98,6 @@ def _bars(title: str, found: Confusion, figure: Figure) -> None:
 def _told(effect: str, counts: Counter[str]) -> str:
     """One withheld effect and its answers.
 
-    Examples
-    --------
     >>> _told("prnu", Counter(prnu=5, unknown=2, dsnu=1))
     'prnu: 5 of 8, else unknown 2, dsnu 1'
     """

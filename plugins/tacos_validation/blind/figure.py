@@ -34,8 +34,6 @@ class Figure:
 def interval(hits: int, count: int) -> tuple[float, float]:
     """95 % interval of a share (Clopper and Pearson 1934).
 
-    Examples
-    --------
     >>> [round(end, 3) for end in interval(0, 60)]
     [0.0, 0.06]
     """

@@ -42,9 +42,8 @@ class ValidateCameras:
     and every task of a recipe scored on its real frames, on their simulation as it was, and with the causes.
     Leaves ``report.html``, and for each camera ``cameras/NAME/diagnosis.json`` and ``patched.yaml``.
 
-    References
-    ----------
-    The paper, Sec. 4.1: noise against intensity, and ORB inliers of three cameras, real and simulated.
+    Source: The paper, Sec. 4.1: noise against intensity, and ORB inliers of three cameras, real and
+    simulated.
     """
 
     class Config(Settings):

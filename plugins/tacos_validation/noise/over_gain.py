@@ -52,9 +52,8 @@ class NoiseOverGainCheck:
     ``left_out`` and in no figure. A measured intercept at or below 0 has no logarithm: it counts in the
     variance alone, as a miss where that variance is not above 0 either.
 
-    References
-    ----------
-    `tacos_validation.noise.two_stage_noise`; the paper, eq. 1; EMVA Standard 1288, Release 4.0, eq. 13.
+    Source: `tacos_validation.noise.two_stage_noise`; the paper, eq. 1; EMVA Standard 1288, Release 4.0, eq.
+    13.
     """
 
     class Config(Settings):

@@ -15,10 +15,8 @@ jumps at unknown places has the exponential covariance, so that u and w are Gaus
 Near a measured gain they follow the measurements; far from all they return to the chain, with an interval as
 wide as real cameras differ from it.
 
-References
-----------
-EMVA Standard 1288, Release 4.0 Linear, Sec. 2 (the chain); Rasmussen and Williams, Gaussian Processes for
-Machine Learning, 2006, eq. 2.25 and 2.26 (prediction), eq. 4.14 with nu = 1/2 (covariance).
+Source: EMVA Standard 1288, Release 4.0 Linear, Sec. 2 (the chain); Rasmussen and Williams, Gaussian Processes
+for Machine Learning, 2006, eq. 2.25 and 2.26 (prediction), eq. 4.14 with nu = 1/2 (covariance).
 """
 
 from __future__ import annotations
@@ -79,20 +77,11 @@ class NoiseOverGain:
 
     Intercepts at or below zero are fits that failed in the dark; they bear on the slope alone.
 
-    Parameters
-    ----------
-    gains
-        (N,) linear gains, in any unit; ISO values will do [1].
-    slopes, intercepts
-        (N,) measured a and b over full scale [1].
+    - `gains`: (N,) linear gains, in any unit; ISO values will do [1].
+    - `slopes`, `intercepts`: (N,) measured a and b over full scale [1].
 
-    Raises
-    ------
-    ValueError
-        Without a gain, with a gain or slope that is not above 0, or with no intercept above 0.
+    Raises ValueError without a gain, with a gain or slope that is not above 0, or with no intercept above 0.
 
-    Examples
-    --------
     Noise before the gain of 2e-9, after it of 8e-9, predicted between and beyond the measured gains:
 
     >>> gain = np.array([1.0, 2.0, 8.0])
@@ -140,18 +129,10 @@ def fit_two_stages(gains: Array, intercepts: Array) -> tuple[float, float]:
 
     One gain cannot tell the two apart; half of the variance is then given to each.
 
-    Parameters
-    ----------
-    gains, intercepts
-        (N,) above 0.
+    - `gains`, `intercepts`: (N,) above 0.
 
-    Returns
-    -------
-    tuple
-        p and q, both above 0.
+    Returns: p and q, both above 0.
 
-    Examples
-    --------
     >>> gain = np.array([1.0, 4.0, 16.0])
     >>> p, q = fit_two_stages(gain, 3e-9 * gain**2 + 5e-8)
     >>> f"{p:.3g} {q:.3g}"

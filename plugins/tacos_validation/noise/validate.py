@@ -86,9 +86,7 @@ class ValidateNoise:
     slope grows with the gain, the intercept with its square, and the exposure time acts through the signal
     alone. Each camera is checked at its calibrated setting and at others.
 
-    References
-    ----------
-    The paper, Sec. 4.1 (Image Statistics) with Fig. 3a, and the supplement's figure on noise model
+    Source: The paper, Sec. 4.1 (Image Statistics) with Fig. 3a, and the supplement's figure on noise model
     generalisation: 30 ms at 15 dB, then 20 ms at 12 dB and 40 ms at 6 dB.
     """
 

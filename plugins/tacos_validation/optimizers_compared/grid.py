@@ -29,8 +29,6 @@ DIGITS = 9
 class Stepped(Continuous):
     """A number between two bounds that can be had in steps; the last may lie short of the upper bound.
 
-    Examples
-    --------
     >>> Stepped("pitch_deg", -30, 30, "deg", step=4).decode([7.3])
     (6.0, (6.0,))
     """

@@ -24,8 +24,6 @@ def quartiles(values: Sequence[float]) -> Quartiles:
     Infinite values (never reached) count as larger than all others; between a finite one and an infinite one
     lies an infinite one.
 
-    Examples
-    --------
     >>> quartiles([40, 80, 80, 160, float("inf")])
     Quartiles(low=80.0, median=80.0, high=160.0)
     """
@@ -94,14 +92,9 @@ def standings(
 ) -> tuple[Standing, ...]:
     """The standing of each optimizer, fewest images to the target first.
 
-    Parameters
-    ----------
-    target
-        Fitness on the held-out scenes that is to be reached.
-    against
-        The images that ratios are taken of, by name; infinite where the target was not reached.
-    budgets
-        What stands for them then.
+    - `target`: fitness on the held-out scenes that is to be reached.
+    - `against`: the images that ratios are taken of, by name; infinite where the target was not reached.
+    - `budgets`: what stands for them then.
     """
     found = []
     for name, own in runs.items():
@@ -128,8 +121,6 @@ def standings(
 def ratio(theirs: float, own: float, their_budget: int) -> Ratio:
     """Ratio of the images `own` to the images `theirs`.
 
-    Examples
-    --------
     >>> ratio(2064, 160, 2064)
     Ratio(value=12.9, at_least=False)
     >>> ratio(float("inf"), 160, 5280)

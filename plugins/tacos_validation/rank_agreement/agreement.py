@@ -25,8 +25,6 @@ def tau_b(first: Sequence[float], second: Sequence[float]) -> float | None:
 
     None where all values of one sequence are equal, so that there is no order.
 
-    Examples
-    --------
     >>> tau_b([1, 2, 3, 4], [1, 2, 4, 3])
     0.666666666667
     """
@@ -39,8 +37,6 @@ def tau_b(first: Sequence[float], second: Sequence[float]) -> float | None:
 def places(fitness: Mapping[str, float]) -> dict[str, float]:
     """The place of each camera, 1 for the highest fitness; equal ones share the mean of theirs.
 
-    Examples
-    --------
     >>> places({"a": 0.5, "b": 0.9, "c": 0.5})
     {'a': 2.5, 'b': 1.0, 'c': 2.5}
     """

@@ -58,13 +58,8 @@ class RowResult:
 def look_up(result: Mapping[str, Any], camera: str, value: str) -> float | str | None:
     """A figure of a camera in the result of a study; None where it has none.
 
-    Parameters
-    ----------
-    value
-        As `SummaryColumn.value`: a group and a name, which may go on inside a part of a catalog.
+    - `value`: as `SummaryColumn.value`: a group and a name, which may go on inside a part of a catalog.
 
-    Examples
-    --------
     >>> result = {"cameras": {"designed": {"camera": {"sensor": {"name": "IMX172"}}}}, "test": {}}
     >>> look_up(result, "designed", "camera.sensor.name")
     'IMX172'

@@ -37,9 +37,7 @@ class StudiesTable:
 
     A broken run goes on with ``--resume``: studies that were finished are read, the broken one goes on.
 
-    References
-    ----------
-    The paper, Tables 1 and 2, and its supplement.
+    Source: The paper, Tables 1 and 2, and its supplement.
     """
 
     Config = StudiesConfig

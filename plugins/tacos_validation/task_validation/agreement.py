@@ -43,13 +43,9 @@ def over_seeds(values: Sequence[float] | NDArray[np.float64]) -> OverSeeds:
 def rank_agreement(first: NDArray[np.float64], second: NDArray[np.float64]) -> Agreement:
     """Agreement of two sets of scores on the rank of the same things, seed by seed.
 
-    Parameters
-    ----------
-    first, second
-        (seeds, things) scores; seeds are paired in their order, but independent of each other.
+    - `first`, `second`: (seeds, things) scores; seeds are paired in their order, but independent of each
+      other.
 
-    Examples
-    --------
     >>> ours = np.array([[3.0, 2.0, 1.0], [30.0, 20.0, 10.0]])
     >>> theirs = np.array([[9.0, 8.0, 7.0], [9.0, 7.0, 8.0]])
     >>> agreement = rank_agreement(ours, theirs)
@@ -65,8 +61,6 @@ def kendall(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[
 
     Two constant sets agree, a constant and another set tell nothing of each other.
 
-    Examples
-    --------
     >>> first = np.array([[1.0, 2.0, 3.0], [1.0, 1.0, 1.0]])
     >>> second = np.array([[1.0, 3.0, 2.0], [5.0, 5.0, 5.0]])
     >>> kendall(first, second).round(3).tolist()
@@ -92,13 +86,9 @@ def within(scores: NDArray[np.float64]) -> Agreement:
 def separations(scores: NDArray[np.float64]) -> list[tuple[int, int, float]]:
     """Neighbours in the ranking by mean, best first, and how far apart they are.
 
-    Returns
-    -------
-    The better, the worse, and the mean of their difference over its standard deviation from seed to seed.
-    Infinite where the difference never changes.
+    Returns: the better, the worse, and the mean of their difference over its standard deviation from seed to
+    seed. Infinite where the difference never changes.
 
-    Examples
-    --------
     >>> separations(np.array([[1.0, 5.0], [2.0, 7.0]]))
     [(1, 0, 6.363961030678928)]
     """

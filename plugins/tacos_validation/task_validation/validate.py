@@ -46,10 +46,8 @@ class ValidateTask:
     What stands for reality here is a path tracer: it checks what a rasterizer leaves out of the light, not
     the optics, the sensor or the target, which both share.
 
-    References
-    ----------
-    The paper, Sec. 4.1 (Perception Task Performance) with Fig. 3b, and the supplement, Additional Details on
-    Simulator Validation: ORB features of three cameras, ten places along a line, no motion blur.
+    Source: The paper, Sec. 4.1 (Perception Task Performance) with Fig. 3b, and the supplement, Additional
+    Details on Simulator Validation: ORB features of three cameras, ten places along a line, no motion blur.
     """
 
     class Config(Settings):

@@ -23,9 +23,7 @@ class ColourChart:
     Reflectances per linear sRGB channel follow from X-Rite's reference values, adapted from D50 to the white
     point of sRGB (Bradford). The cyan patch lies outside of sRGB; its red is 0.
 
-    References
-    ----------
-    colour-science, ``CCS_COLOURCHECKERS``.
+    Source: colour-science, ``CCS_COLOURCHECKERS``.
     """
 
     class Config(Settings):

@@ -17,10 +17,8 @@ class GreyBars:
     that on the target, as a light meter laid on it would show. Light comes from a panel above the camera, so
     it is not quite even; see `tacos_worlds.bench.stand`.
 
-    References
-    ----------
-    The paper, supplement, Sec. Noise Model Calibration and Sec. Image Statistics: greyscale bars at 50 cm and
-    2000 lux.
+    Source: The paper, supplement, Sec. Noise Model Calibration and Sec. Image Statistics: greyscale bars at
+    50 cm and 2000 lux.
     """
 
     class Config(Settings):

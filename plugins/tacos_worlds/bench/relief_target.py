@@ -30,11 +30,9 @@ class ReliefTarget:
     The camera passes sideways at even steps, the middle of its way before the middle of the target. What
     moves is the camera, not the target: the light stays with the target, so frames differ by the view alone.
 
-    References
-    ----------
-    The paper, Sec. 4.1 (Perception Task Performance) and the supplement: a target with features of varying
-    scales and depths before a textureless background, taken at ten places along a line. Its target is that of
-    Dansereau, Girod and Wetzstein 2019, "LiFF: Light field features in scale and depth", CVPR.
+    Source: The paper, Sec. 4.1 (Perception Task Performance) and the supplement: a target with features of
+    varying scales and depths before a textureless background, taken at ten places along a line. Its target is
+    that of Dansereau, Girod and Wetzstein 2019, "LiFF: Light field features in scale and depth", CVPR.
     """
 
     class Config(Settings):

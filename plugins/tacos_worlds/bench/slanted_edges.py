@@ -18,9 +18,7 @@ class SlantedEdges:
 
     Edges that lie a little aslant to the pixels sample the blur of a lens more finely than the pixels do.
 
-    References
-    ----------
-    ISO 12233, slanted-edge method.
+    Source: ISO 12233, slanted-edge method.
     """
 
     class Config(Settings):

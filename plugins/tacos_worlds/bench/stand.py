@@ -99,14 +99,10 @@ def bench_world(
 ) -> World:
     """A lit bench.
 
-    Parameters
-    ----------
-    key
-        What makes the target what it is; light and distance are added to it.
-    illumination_lux
-        Mean illuminance on the target itself, as a meter laid on it shows [lux].
-    reflections
-        True if light that comes over other surfaces is worked out too. A flat target alone receives none.
+    - `key`: what makes the target what it is; light and distance are added to it.
+    - `illumination_lux`: mean illuminance on the target itself, as a meter laid on it shows [lux].
+    - `reflections`: true if light that comes over other surfaces is worked out too. A flat target alone
+      receives none.
     """
     key = f"{key}; {distance_m!r} m, {width_m!r} x {height_m!r} m"
     world = World(
@@ -137,14 +133,9 @@ def tent_world(
 ) -> World:
     """A target in a light tent: light from all sides, the same on every surface, and no shadow.
 
-    Parameters
-    ----------
-    key
-        What makes the target what it is; the light is added to it.
-    illumination_lux
-        Illuminance on every surface [lux].
-    objects
-        The objects that parts belong to, from id 1 on.
+    - `key`: what makes the target what it is; the light is added to it.
+    - `illumination_lux`: illuminance on every surface [lux].
+    - `objects`: the objects that parts belong to, from id 1 on.
     """
     return World(
         key=f"{key}; tent of {illumination_lux!r} lux",

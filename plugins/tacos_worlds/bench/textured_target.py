@@ -38,10 +38,8 @@ class TexturedTarget:
     distance it stands. The sheet may be tilted, which gives it depth. With a speed the camera passes it
     sideways, so that the target moves through the image evenly.
 
-    References
-    ----------
-    Lee, Mumford and Huang 2001, "Occlusion models for natural images", IJCV 41; Cao, Guichard and Hornung
-    2010, "Dead leaves model for measuring texture quality on a digital camera", SPIE 7537.
+    Source: Lee, Mumford and Huang 2001, "Occlusion models for natural images", IJCV 41; Cao, Guichard and
+    Hornung 2010, "Dead leaves model for measuring texture quality on a digital camera", SPIE 7537.
     """
 
     class Config(Settings):

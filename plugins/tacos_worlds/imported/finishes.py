@@ -21,8 +21,6 @@ def texture_edge_px(layers: int, memory_mb: float) -> int:
 
     All layers of a stack are as large as its largest.
 
-    Examples
-    --------
     >>> texture_edge_px(4, 512), texture_edge_px(60, 512)
     (4096, 1024)
     """
@@ -42,14 +40,9 @@ def materials_of(
 ) -> tuple[Material, ...]:
     """One material a skin.
 
-    Parameters
-    ----------
-    atlases
-        By index of a skin, the painted colours of its vertices in place of a texture.
-    memory_mb
-        For all textures together [MB].
-    emission_scale
-        Luminance for one unit of emission in the file [cd/m2].
+    - `atlases`: by index of a skin, the painted colours of its vertices in place of a texture.
+    - `memory_mb`: for all textures together [MB].
+    - `emission_scale`: luminance for one unit of emission in the file [cd/m2].
     """
     images = {id(image) for skin in skins for image in (skin.texture, skin.normal_map) if image is not None}
     edge_px = texture_edge_px(len(images) + len(atlases), memory_mb)

@@ -85,17 +85,11 @@ def walkable(
 ) -> Floor:
     """The places that one walk can reach, of all that have room for the agent.
 
-    Parameters
-    ----------
-    inside
-        True under a ceiling, False in the open; None for the ceiling where there is a good deal of it.
-    start_m
-        (3,) a place on the floor to be reached [m]; decides alone where given.
+    - `inside`: true under a ceiling, False in the open; None for the ceiling where there is a good deal of
+      it.
+    - `start_m`: (3,) a place on the floor to be reached [m]; decides alone where given.
 
-    Returns
-    -------
-    Floor
-        Without any place where there is none.
+    Returns no place where there is none.
     """
     allowed = floor.kept(floor.clearance_m >= agent.radius_m)
     if not len(allowed.points_m):

@@ -121,8 +121,6 @@ def label_of(surface: Surface, rules: Sequence[Rule]) -> Label:
 def class_in(name: str) -> str | None:
     """The class that a word of a name tells: ``Sofa_02.LOD0`` is a sofa, ``bedroom`` is none.
 
-    Examples
-    --------
     >>> class_in("SM_OfficeChair_03"), class_in("bedroom wall"), class_in("door-sill.001")
     ('chair', None, 'threshold')
     """

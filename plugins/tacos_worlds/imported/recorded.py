@@ -22,14 +22,9 @@ def read_recorded(
 ) -> tuple[Trajectory, list[str]]:
     """Poses of the agent from a file, in metres with z up, and what is doubtful of them.
 
-    Parameters
-    ----------
-    turn
-        (3, 3) from its axes and unit to metres with z up.
-    origin_m
-        (3,) where the origin of the world lies, in metres with z up [m].
-    of_camera
-        True if its poses are of an optical frame; else of an agent.
+    - `turn`: (3, 3) from its axes and unit to metres with z up.
+    - `origin_m`: (3,) where the origin of the world lies, in metres with z up [m].
+    - `of_camera`: true if its poses are of an optical frame; else of an agent.
     """
     found = read_poses(file)
     rotation = turn / np.cbrt(np.linalg.det(turn))

@@ -29,8 +29,6 @@ class ImportedScene:
     to the other by two keys. One generator state gives one trip, always; the world is that of the file in
     each.
 
-    Examples
-    --------
     >>> ImportedScene.Config(file="house.glb").sampling
     'walk'
     """

@@ -40,8 +40,6 @@ class IndoorScene:
 
     One generator state gives one world and one trip, always.
 
-    Examples
-    --------
     >>> import numpy as np
     >>> scene = IndoorScene(IndoorScene.Config(size_m=(8, 6), frames=10))
     >>> len(scene.episode(rng=np.random.default_rng(7), illumination_lux=20.0))

@@ -157,21 +157,13 @@ def _corners_that_meet(faces: bytes) -> tuple[Indices, Indices, Indices, tuple[I
 
     Most things are boxes, or turned from equally many points: few lists of faces occur, each many times.
 
-    Parameters
-    ----------
-    faces
-        (T, 3) vertices of faces, as bytes of int64.
+    - `faces`: (T, 3) vertices of faces, as bytes of int64.
 
-    Returns
-    -------
-    corner
-        (P,) the one corner of each pair, rising.
-    other_face
-        (P,) the face of the other one; those of one corner rise too.
-    which
-        (P,) the pair of faces that both are of.
-    pairs
-        Both faces of each of these, once whatever the order.
+    Returns:
+    - `corner`: (P,) the one corner of each pair, rising.
+    - `other_face`: (P,) the face of the other one; those of one corner rise too.
+    - `which`: (P,) the pair of faces that both are of.
+    - `pairs`: both faces of each of these, once whatever the order.
     """
     vertex = np.frombuffer(faces, np.int64)
     order = np.argsort(vertex, kind="stable")

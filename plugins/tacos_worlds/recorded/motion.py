@@ -117,9 +117,7 @@ def shots_of(recording: Recording, light: Mapping[str, NDArray[np.float32]]) -> 
 def steps_between(shots: Sequence[Shot]) -> Steps:
     """Dense flow between consecutive shots, by time.
 
-    References
-    ----------
-    Kroeger et al. 2016, "Fast optical flow using dense inverse search".
+    Source: Kroeger et al. 2016, "Fast optical flow using dense inverse search".
     """
     ordered = sorted(shots, key=lambda shot: shot.stamp_s)
     finder = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
@@ -145,16 +143,10 @@ def blurred(
     Copies, each a whole exposure of its own, are moved along the motion and averaged: together they tile the
     longer exposure. Every pixel has its own path, so turning and approach blur it as they do in a camera.
 
-    Parameters
-    ----------
-    light_dn
-        (H, W) light of one frame [DN].
-    middle_s
-        Middle of the longer exposure [s].
-    own_ms, wanted_ms
-        Exposure of the frame, and the one to reach [ms].
-    mosaic
-        Period of the colour filters [px]: 2 for Bayer, 1 for none; each colour is moved by itself.
+    - `light_dn`: (H, W) light of one frame [DN].
+    - `middle_s`: middle of the longer exposure [s].
+    - `own_ms`, `wanted_ms`: exposure of the frame, and the one to reach [ms].
+    - `mosaic`: period of the colour filters [px]: 2 for Bayer, 1 for none; each colour is moved by itself.
     """
     copies = max(2, int(np.ceil(wanted_ms / own_ms - 1e-9)))
     offsets_s = (np.arange(copies) / (copies - 1) - 0.5) * (wanted_ms - own_ms) * 1e-3

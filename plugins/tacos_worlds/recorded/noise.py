@@ -34,16 +34,11 @@ class LinearNoise:
 def measured_noise(light_dn: NDArray[np.float32], *, mosaic: int, top_dn: float) -> LinearNoise:
     """Noise over light of (N, H, W) frames, from the plainest blocks at each brightness.
 
-    Parameters
-    ----------
-    mosaic
-        Period of the colour filters [px].
-    top_dn
-        Light from which on samples are clipped; blocks that reach it are left out [DN].
+    - `mosaic`: period of the colour filters [px].
+    - `top_dn`: light from which on samples are clipped; blocks that reach it are left out [DN].
 
-    References
-    ----------
-    Liu et al. 2006, "Noise estimation from a single image": the lower envelope of variance over brightness.
+    Source: Liu et al. 2006, "Noise estimation from a single image": the lower envelope of variance over
+    brightness.
     """
     means, variances = [], []
     for row in range(mosaic):

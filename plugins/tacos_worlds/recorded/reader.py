@@ -39,16 +39,10 @@ class _Entry:
 def read_recording(folder: str | Path, *, fewest: int = 2, response: ResponseFrom = "recorded") -> Recording:
     """The frames of a folder, by exposure.
 
-    Parameters
-    ----------
-    response
-        ``linear`` where samples are in proportion to light, as those of raw files are; ``estimated`` from the
-        exposures even where the folder states one.
+    - `response`: ``linear`` where samples are in proportion to light, as those of raw files are;
+      ``estimated`` from the exposures even where the folder states one.
 
-    Raises
-    ------
-    UserError
-        With a fault for each thing that is wrong, and which exposures have none.
+    Raises UserError with a fault for each thing that is wrong, and which exposures have none.
     """
     path = Path(folder)
     faults: list[Fault] = []

@@ -58,15 +58,10 @@ def estimated_response(frames_dn: Mapping[float, NDArray[np.uint16]], white_dn: 
     between the frames does no harm. Places of each 2 x 2 are ranked by themselves, as colours differ. The
     logarithm of the response is then a least-squares problem.
 
-    Parameters
-    ----------
-    frames_dn
-        (N, H, W) codes by exposure time [DN]; two exposures or more.
+    - `frames_dn`: (N, H, W) codes by exposure time [DN]; two exposures or more.
 
-    References
-    ----------
-    Debevec and Malik 1997, "Recovering high dynamic range radiance maps from photographs", eq. 3, on pairs of
-    Grossberg and Nayar 2003, "Determining the camera response from images: what is knowable?".
+    Source: Debevec and Malik 1997, "Recovering high dynamic range radiance maps from photographs", eq. 3, on
+    pairs of Grossberg and Nayar 2003, "Determining the camera response from images: what is knowable?".
     """
     times = sorted(frames_dn)
     knots_dn = np.linspace(0, white_dn, _KNOTS)

@@ -39,18 +39,11 @@ def populated(
 
     People are where the agent passes, and the cars that it never comes near go first.
 
-    Parameters
-    ----------
-    way_m
-        (N, 2) places that the agent passes [m].
-    people
-        How many there should be, standing and walking.
-    driving
-        How many cars drive, which count too.
+    - `way_m`: (N, 2) places that the agent passes [m].
+    - `people`: how many there should be, standing and walking.
+    - `driving`: how many cars drive, which count too.
 
-    Returns
-    -------
-    What stands still, and each who walks with the way from where he or she rests.
+    Returns: what stands still, and each who walks with the way from where he or she rests.
     """
     kerb_rng, car_rng = rng.spawn(2)
     still = [thing for thing in placed if thing.piece.class_name != "car"]

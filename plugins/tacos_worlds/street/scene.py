@@ -23,8 +23,6 @@ class StreetScene:
 
     One generator state gives one town and one drive, always; every other state gives other streets.
 
-    Examples
-    --------
     >>> import numpy as np
     >>> scene = StreetScene(StreetScene.Config(blocks=1, frames=10))
     >>> len(scene.episode(rng=np.random.default_rng(7), illumination_lux=20_000.0))

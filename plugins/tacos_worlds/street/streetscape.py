@@ -59,14 +59,9 @@ def furnish_town(
 ) -> list[PlacedPiece]:
     """All that stands still in a town.
 
-    Parameters
-    ----------
-    greenery
-        How many streets are lined with trees [1].
-    parked_share
-        Share of the parking lots that are taken [1].
-    dark
-        True if lamps and windows are lit.
+    - `greenery`: how many streets are lined with trees [1].
+    - `parked_share`: share of the parking lots that are taken [1].
+    - `dark`: true if lamps and windows are lit.
     """
     block_rng, kerb_rng, park_rng = rng.spawn(3)
     placed = [PlacedPiece(piece) for piece in roads(town)]

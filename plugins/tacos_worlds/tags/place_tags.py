@@ -26,9 +26,7 @@ class PlaceTags:
     true of it. One world, way and seed give the same places, always; on another way through the same world
     others may be chosen.
 
-    References
-    ----------
-    Olson 2011, "AprilTag: a robust and flexible visual fiducial system"; Garrido-Jurado et al. 2014,
+    Source: Olson 2011, "AprilTag: a robust and flexible visual fiducial system"; Garrido-Jurado et al. 2014,
     "Automatic generation and detection of highly reliable fiducial markers" (ArUco).
     """
 

@@ -45,9 +45,7 @@ class Surface:
     def hit(self, eye_m: Floats, direction: Floats) -> tuple[float, int]:
         """Distance to the first triangle along a unit vector [m] and its index; infinite where none is.
 
-        References
-        ----------
-        Moeller and Trumbore 1997, "Fast, minimum storage ray/triangle intersection".
+        Source: Moeller and Trumbore 1997, "Fast, minimum storage ray/triangle intersection".
         """
         origin = self.corners_m[:, 0]
         one, two = self.corners_m[:, 1] - origin, self.corners_m[:, 2] - origin

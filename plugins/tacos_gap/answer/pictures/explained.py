@@ -34,16 +34,11 @@ def share_of_pictures(
 
     Noise is part of the difference: what hardly exceeds it is for the statistics to tell.
 
-    Parameters
-    ----------
-    rivals
-        Explanations with another effect in its place. Each also stands with that effect's initial guesses,
-        as its fit may have gone astray.
+    - `rivals`: explanations with another effect in its place. Each also stands with that effect's initial
+      guesses, as its fit may have gone astray.
 
-    Returns
-    -------
-    float
-        0..1; 0 where it acts on no light, pictures show nothing to align, or a rival is not surely worse.
+    Returns: 0..1; 0 where it acts on no light, pictures show nothing to align, or a rival is not surely
+    worse.
     """
     pictures = [e for e in problem.evidence if isinstance(e, ImageEvidence) and _can_be_aligned(e)]
     if term.cls.stage not in LIGHT_STAGES or not pictures:

@@ -28,15 +28,9 @@ def tile_squares(
     Effects on light act on the expectation; what acts on samples and files is left out. Each hypothesis is
     then laid over the mean frame, with the gain and offset that fit best.
 
-    Parameters
-    ----------
-    hypotheses
-        J lists of effects.
+    - `hypotheses`: j lists of effects.
 
-    Returns
-    -------
-    NDArray or None
-        (J, TILES) over the same pixels [DN^2]; None where a hypothesis cannot be laid over the frames.
+    Returns: (J, TILES) over the same pixels [DN^2]; None where a hypothesis cannot be laid over the frames.
     """
     assert capture.expected_dn is not None
     black = np.float32(capture.context.black_level_dn)

@@ -92,17 +92,10 @@ def light_on(
 
     A line with an offset per channel, or a power whose exponent the channels share: what fits clearly better.
 
-    Parameters
-    ----------
-    colours_dn
-        (24, 3) what the patches gave above the pedestal [DN].
-    errors_dn
-        (24, 3) standard errors of these [DN].
+    - `colours_dn`: (24, 3) what the patches gave above the pedestal [DN].
+    - `errors_dn`: (24, 3) standard errors of these [DN].
 
-    Returns
-    -------
-    ChartLight or None
-        None where fewer than four neutral patches are neither clipped nor black.
+    Returns None where fewer than four neutral patches are neither clipped nor black.
     """
     span = capture.context.white_level_dn - capture.context.black_level_dn
     code = colours_dn[NEUTRALS] / span

@@ -21,15 +21,9 @@ def even_noise(capture: RealCapture) -> Noise | None:
 
     Fixed patterns and the texture of the target count as noise, as nothing in one frame tells them apart.
 
-    Parameters
-    ----------
-    capture
-        With an expectation, whose even areas are used.
+    - `capture`: with an expectation, whose even areas are used.
 
-    Returns
-    -------
-    Noise or None
-        None where too little of the target is even.
+    Returns None where too little of the target is even.
     """
     assert capture.expected_dn is not None
     expected, real = capture.expected_dn.mean(axis=0), capture.real_dn[0]

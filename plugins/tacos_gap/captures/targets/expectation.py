@@ -51,11 +51,8 @@ def with_own_expectations(
 ) -> tuple[tuple[RealCapture, ...], tuple[str, ...]]:
     """Give captures that lack an expectation the one their own pictures make, by their kind.
 
-    Returns
-    -------
-    tuple
-        The captures that have an expectation or need none, in their order; and a sentence for each that was
-        left out.
+    Returns: the captures that have an expectation or need none, in their order; and a sentence for each that
+    was left out.
     """
     gains = _by_gain(captures)
     noise = {gain: pooled_noise(members) for gain, members in gains.items()}

@@ -32,10 +32,8 @@ def pooled_noise(captures: Sequence[RealCapture]) -> Noise | None:
     the pattern of the sensor cancel (EMVA 1288 release 4, 6.6; Janesick 2007, "Photon Transfer"). Signal is
     what lies above the darks, where there are some: the pedestal that is believed may be what is wrong.
 
-    Returns
-    -------
-    Noise or None
-        With ``known`` False, as it says nothing of the simulator; None where captures span too few levels.
+    Returns noise with ``known`` False, as it says nothing of the simulator; None where captures span too few
+    levels.
     """
     still = [each for each in captures if each.frames > 1 and each.kind != "sequence"]
     if not still:

@@ -39,14 +39,10 @@ def even_expectation(
 ) -> NDArray[np.float32]:
     """(H, W, C) what evenly lit paper would give without any lens: one level per channel.
 
-    Parameters
-    ----------
-    mean_dn
-        (H, W, C) mean of the frames [DN].
-    centre_px
-        Principal point in the files [px].
-    mosaic
-        True if the one channel holds a colour filter array, whose four phases have levels of their own.
+    - `mean_dn`: (H, W, C) mean of the frames [DN].
+    - `centre_px`: principal point in the files [px].
+    - `mosaic`: true if the one channel holds a colour filter array, whose four phases have levels of their
+      own.
     """
     expected = np.empty_like(mean_dn)
     for channel in range(mean_dn.shape[-1]):

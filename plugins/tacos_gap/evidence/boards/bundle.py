@@ -75,14 +75,9 @@ class Bundle:
     def noise_left(self, noise_px: Sequence[Array]) -> list[Array]:
         """What the adjustment leaves of noise on corners of a flat board seen by a pinhole, to first order.
 
-        Parameters
-        ----------
-        noise_px
-            For each view (B, K, 2) draws [px].
+        - `noise_px`: for each view (B, K, 2) draws [px].
 
-        Returns
-        -------
-        For each view (B, 2K), as `Adjusted.residuals` [sigma].
+        Returns: for each view (B, 2K), as `Adjusted.residuals` [sigma].
         """
         poses = self.adjusted(()).poses
         flat = np.zeros(len(self._priors))

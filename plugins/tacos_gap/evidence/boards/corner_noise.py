@@ -29,14 +29,9 @@ def smooth_residual(
     A homography seen through a radial lens, and beside it the polynomial over the board that leaves the least
     variance for its degrees of freedom. It is fitted again without points that stray.
 
-    Parameters
-    ----------
-    centre_px
-        Where about the lens is centred [px].
+    - `centre_px`: where about the lens is centred [px].
 
-    Returns
-    -------
-    (K, 2) residual [px], and its standard deviation along one axis, by the median of its size [px].
+    Returns: (K, 2) residual [px], and its standard deviation along one axis, by the median of its size [px].
     """
     flat = points_mm[:, :2] - points_mm[:, :2].mean(axis=0)
     flat = flat / np.abs(flat).max()

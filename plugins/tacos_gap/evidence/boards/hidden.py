@@ -23,10 +23,8 @@ def hidden_by_pose(
 ) -> tuple[tuple[str, ...], NextCapture | None]:
     """Effects that only boards could show and that their poses hide: no gap is no proof of none.
 
-    Returns
-    -------
-    Those that declare a pose as their look-alike here, with it; and the capture that would tell. Empty
-    where all of them would have shown.
+    Returns: those that declare a pose as their look-alike here, with it; and the capture that would tell.
+    Empty where all of them would have shown.
     """
     boards = [each for each in evidence if isinstance(each, BoardEvidence)]
     if not boards or len(boards) < len(evidence) or POSE not in effects:

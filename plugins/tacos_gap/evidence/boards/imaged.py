@@ -16,9 +16,8 @@ _STEP = 1e-4  # of a point's distance
 def imaged(points_mm: Array, geometry: ImageGeometry, *, derivatives: bool = True) -> tuple[Array, Array]:
     """Where a lens images points in the camera's frame.
 
-    Returns
-    -------
-    (K, 2) places [px], and how they move with the points (2, K, 3), without `derivatives` nothing [px/mm].
+    Returns: (K, 2) places [px], and how they move with the points (2, K, 3), without `derivatives` nothing
+    [px/mm].
     """
     if not geometry.lens.is_pinhole:
         return _through_lens(points_mm, geometry, derivatives)

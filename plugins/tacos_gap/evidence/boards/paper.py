@@ -30,14 +30,9 @@ def deformations(board: Board, points_mm: NDArray[np.float64]) -> NDArray[np.flo
     Two ways in the plane, and out of it the polynomials of second order over the board. Those of third order
     are added where views tell which way up the board is, as they change their sign with it.
 
-    Parameters
-    ----------
-    points_mm
-        (K, 3) its points as printed [mm].
+    - `points_mm`: (K, 3) its points as printed [mm].
 
-    Returns
-    -------
-    (5 or 9, K, 3) displacements [mm].
+    Returns: (5 or 9, K, 3) displacements [mm].
     """
     columns, rows = board.inner_corners
     half_mm = 0.5 * board.square_mm * float(np.hypot(columns - 1, rows - 1))

@@ -39,17 +39,11 @@ def traced(
 ) -> tuple[Points, NDArray[np.float64]]:
     """Where a pinhole sees what effects move to places of the image, and how it moves with them.
 
-    Parameters
-    ----------
-    effects
-        Any; those that move pixels bear on it.
-    points_px
-        (K, 2) places in the image [px].
+    - `effects`: Any; those that move pixels bear on it.
+    - `points_px`: (K, 2) places in the image [px].
 
-    Returns
-    -------
-    (K, 2) places in the pinhole's image [px], and the inverse of their derivative (K, 2, 2): pixels of the
-    image per pixel of the pinhole's.
+    Returns: (K, 2) places in the pinhole's image [px], and the inverse of their derivative (K, 2, 2): pixels
+    of the image per pixel of the pinhole's.
     """
     steps = np.array([[0, 0], [_HALF_PX, 0], [-_HALF_PX, 0], [0, _HALF_PX], [0, -_HALF_PX]])
     around = (points_px[None] + steps[:, None]).reshape(-1, 2)

@@ -76,14 +76,10 @@ def patches_of(
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]] | None:
     """The inner part of each patch that is seen, and what is expected of it.
 
-    Parameters
-    ----------
-    expected_dn
-        (1, H, W, C) expected values [DN].
+    - `expected_dn`: (1, H, W, C) expected values [DN].
 
-    Returns
-    -------
-    (P, 4) x, y, width, height [px] and (P, 3) mean of what is expected there [DN]; None without a patch.
+    Returns: (P, 4) x, y, width, height [px] and (P, 3) mean of what is expected there [DN]; None without a
+    patch.
     """
     seen = light.views[0].object_id[0]
     boxes, colours = [], []

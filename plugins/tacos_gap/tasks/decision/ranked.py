@@ -54,14 +54,9 @@ def ranked(
 ) -> RankedCameras:
     """Rank cameras that saw the same scenes.
 
-    Parameters
-    ----------
-    evaluations
-        Of each camera, block for block on the same scenes.
-    error
-        Share of studies in which an interval may miss the truth.
-    comparisons, reference
-        As in `RankedCameras`.
+    - `evaluations`: of each camera, block for block on the same scenes.
+    - `error`: share of studies in which an interval may miss the truth.
+    - `comparisons`, `reference`: as in `RankedCameras`.
     """
     scored = {name: each for name, each in evaluations.items() if each.fitness is not None}
     values = {name: contributions(each.blocks, fitness) for name, each in scored.items()}
@@ -76,13 +71,8 @@ def ranked(
 def chance_best(values: Mapping[str, NDArray[np.float64]], seed: int) -> dict[str, float]:
     """How often each camera is the best when scenes are drawn anew, all cameras on the same ones.
 
-    Parameters
-    ----------
-    values
-        (n,) what each scene tells about a camera's fitness, by name.
+    - `values`: (n,) what each scene tells about a camera's fitness, by name.
 
-    Examples
-    --------
     >>> chance_best({"a": np.array([1.0, 2.0]), "b": np.array([0.0, 1.0])}, seed=1)
     {'a': 1.0, 'b': 0.0}
     """

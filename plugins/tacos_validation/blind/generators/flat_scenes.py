@@ -70,9 +70,7 @@ class Even:
 def natural(camera: IdealCamera, rng: np.random.Generator, mean: float = 0.35) -> FlatScene:
     """Dead leaves with shading and fine texture: edges of all directions, a spectrum as in nature.
 
-    References
-    ----------
-    Lee, Mumford and Huang 2001, "Occlusion models for natural images", IJCV 41.
+    Source: Lee, Mumford and Huang 2001, "Occlusion models for natural images", IJCV 41.
     """
     height, width = canvas_shape(camera)
     canvas = np.full((height, width, camera.channels), 0.3)

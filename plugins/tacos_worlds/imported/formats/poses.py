@@ -1,10 +1,8 @@
 """Recorded trajectories: TUM, EuRoC and KITTI.
 
-References
-----------
-Sturm et al. (2012), TUM RGB-D benchmark: ``time tx ty tz qx qy qz qw``.
-Burri et al. (2016), EuRoC MAV: ``time_ns, px, py, pz, qw, qx, qy, qz, ...``.
-Geiger et al. (2012), KITTI odometry: twelve numbers a line, the rows of [R | t].
+Source: Sturm et al. (2012), TUM RGB-D benchmark: ``time tx ty tz qx qy qz qw``. Burri et al. (2016), EuRoC
+MAV: ``time_ns, px, py, pz, qw, qx, qy, qz, ...``. Geiger et al. (2012), KITTI odometry: twelve numbers a
+line, the rows of [R | t].
 """
 
 from __future__ import annotations
@@ -100,8 +98,6 @@ def _text(content: bytes) -> str:
 def _quaternion_columns(line: str) -> list[str]:
     """The order of a quaternion after the stamp and the position, where a line of names tells it.
 
-    Examples
-    --------
     >>> _quaternion_columns("#timestamp [ns], p_RS_R_x [m], p_y [m], p_z [m], q_RS_w [], q_RS_x [], q_y, q_z")
     ['w', 'x', 'y', 'z']
     >>> _quaternion_columns("# timestamp tx ty tz qx qy qz qw"), _quaternion_columns("# by ORB")
@@ -147,8 +143,6 @@ def _timed(
 def stamp_unit(stamp: NDArray[np.float64], form: Literal["tum", "euroc"]) -> StampUnit:
     """The unit of stamps: that of the layout, unless their size says that it can be none of it.
 
-    Examples
-    --------
     >>> stamp_unit(np.array([1.4e18, 1.40000000005e18]), "tum"), stamp_unit(np.array([0.0, 0.05]), "tum")
     ('ns', 's')
     """

@@ -25,16 +25,10 @@ _GAP_M = 0.04
 class RoomFloor:
     """The floor of one room while it is being furnished.
 
-    Parameters
-    ----------
-    clear
-        The room between its walls [m].
-    sides
-        Its four sides, south, east, north, west.
-    doors
-        Its doors; the floor in front of them stays free.
-    reserved
-        Floor that furniture must leave free (door leaves, curtains) [m].
+    - `clear`: the room between its walls [m].
+    - `sides`: its four sides, south, east, north, west.
+    - `doors`: its doors; the floor in front of them stays free.
+    - `reserved`: floor that furniture must leave free (door leaves, curtains) [m].
     """
 
     def __init__(self, clear: Rect, sides: list[Side], doors: list[Door], reserved: list[Rect]) -> None:

@@ -60,14 +60,9 @@ class Furnisher:
     def bring_to_life(self, rng: np.random.Generator, *, people: float, triangles: int) -> None:
         """People come in, and small things are left on tables.
 
-        Parameters
-        ----------
-        rng
-            A stream of random numbers of its own, so that the furniture stays as it is without them.
-        people
-            Their mean number [1].
-        triangles
-            Small things have no more than so many.
+        - `rng`: a stream of random numbers of its own, so that the furniture stays as it is without them.
+        - `people`: their mean number [1].
+        - `triangles`: small things have no more than so many.
         """
         welcome(rng, self.floor, people=people)
         lay_out(rng, self.floor, self.style, clutter=self.clutter, triangles=triangles)

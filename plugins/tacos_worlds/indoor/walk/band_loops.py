@@ -25,21 +25,13 @@ def relax(
 ) -> None:
     """Pull every point half-way to the middle of its neighbours, where that comes too near to nothing.
 
-    Parameters
-    ----------
-    x_m, y_m
-        (N,) coordinates of the path, which are changed [m].
-    moves
-        (N,) the points that may move; never the first and last.
-    reaches
-        For each step, how many points away the neighbours are; those next to a point always count as well.
-        Steps that reach over half the path and more are left out.
-    clearance_m
-        (X, Y) distance to the nearest obstacle at the middle of each cell [m].
-    cell_m
-        Edge of a cell [m].
-    least_m
-        A point stays where it is rather than come nearer to an obstacle than this [m].
+    - `x_m`, `y_m`: (N,) coordinates of the path, which are changed [m].
+    - `moves`: (N,) the points that may move; never the first and last.
+    - `reaches`: for each step, how many points away the neighbours are; those next to a point always count as
+      well. Steps that reach over half the path and more are left out.
+    - `clearance_m`: (X, Y) distance to the nearest obstacle at the middle of each cell [m].
+    - `cell_m`: edge of a cell [m].
+    - `least_m`: a point stays where it is rather than come nearer to an obstacle than this [m].
     """
     count = len(x_m)
     pulled_x, pulled_y = np.empty(count), np.empty(count)

@@ -78,14 +78,9 @@ def draw_route(rng: np.random.Generator, building: Building, free: FreeSpace) ->
 class _Way:
     """A path being laid, leg by leg.
 
-    Attributes
-    ----------
-    legs
-        (N, 2) points of each leg [m].
-    fixed
-        (N,) for each leg, the points that smoothing must not move.
-    crossed
-        (index of the point in a doorway, index of the door).
+    - `legs`: (N, 2) points of each leg [m].
+    - `fixed`: (N,) for each leg, the points that smoothing must not move.
+    - `crossed`: (index of the point in a doorway, index of the door).
     """
 
     def __init__(self, rng: np.random.Generator, plan: FloorPlan, free: FreeSpace, room: int) -> None:

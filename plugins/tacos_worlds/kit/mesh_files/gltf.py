@@ -29,19 +29,11 @@ _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 def read_gltf(content: bytes, references: References, most_px: int, most_triangles: int | None) -> Model:
     """The default scene of a file.
 
-    Parameters
-    ----------
-    most_px
-        Longest edge of textures [px].
-    most_triangles
-        As many at most; by default the limit ``mesh_triangles``.
+    - `most_px`: longest edge of textures [px].
+    - `most_triangles`: as many at most; by default the limit ``mesh_triangles``.
 
-    Raises
-    ------
-    Damaged
-        Where it is not what the format says.
-    UserError
-        Where a file cannot be read, or there are too many triangles.
+    Raises Damaged where it is not what the format says. Raises UserError where a file cannot be read, or
+    there are too many triangles.
     """
     buffers = Buffers(content, references)
     required = set(map(str, buffers.header.get("extensionsRequired", [])))

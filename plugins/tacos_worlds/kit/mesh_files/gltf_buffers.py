@@ -3,9 +3,7 @@
 Sizes are checked against what is there before anything is allocated, and no file outside the model's folder
 is opened.
 
-References
-----------
-Khronos Group, glTF 2.0 specification, sections 3.6 (binary data storage) and 4 (GLB).
+Source: Khronos Group, glTF 2.0 specification, sections 3.6 (binary data storage) and 4 (GLB).
 """
 
 from __future__ import annotations
@@ -31,17 +29,9 @@ _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 class Buffers:
     """The header of a glTF file, and its numbers.
 
-    Attributes
-    ----------
-    header
-        The JSON object.
+    - `header`: the JSON object.
 
-    Raises
-    ------
-    Damaged
-        Where the container is not glTF 2.0.
-    UserError
-        Where its JSON is too large, or none.
+    Raises Damaged where the container is not glTF 2.0. Raises UserError where its JSON is too large, or none.
     """
 
     def __init__(self, content: bytes, references: References) -> None:

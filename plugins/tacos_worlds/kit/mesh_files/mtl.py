@@ -1,8 +1,6 @@
 """Libraries of materials of OBJ files.
 
-References
-----------
-Ramey, Rose and Tyerman 1995, "MTL material format (Lightwave, OBJ)", version 4.2.
+Source: Ramey, Rose and Tyerman 1995, "MTL material format (Lightwave, OBJ)", version 4.2.
 """
 
 from __future__ import annotations
@@ -48,24 +46,15 @@ _READ = {"", "#", "d", "illum", "ka", "kd", "ke", "ks", "newmtl", "ni", "ns", "p
 class MtlMaterial:
     """What a library says of a material.
 
-    Parameters
-    ----------
-    diffuse
-        Kd, linear; None where it says none [1].
-    picture, mask_picture
-        Names of the pictures of map_Kd and map_d; empty where there are none.
-    shininess
-        Ns, the exponent of its highlights [1].
-    opacity
-        0 for what is not there [1].
-    scale, offset
-        Of texture coordinates: ``uv * scale + offset`` [1, tiles].
-    clamped
-        Whether the texture ends at its edges.
-    emission
-        Light sent out, in the file's unit.
-    roughness, metallic
-        As Pr and Pm give them, which exporters of physically based materials write [1].
+    - `diffuse`: kd, linear; None where it says none [1].
+    - `picture`, `mask_picture`: names of the pictures of map_Kd and map_d; empty where there are none.
+    - `shininess`: ns, the exponent of its highlights [1].
+    - `opacity`: 0 for what is not there [1].
+    - `scale`, `offset`: of texture coordinates: ``uv * scale + offset`` [1, tiles].
+    - `clamped`: whether the texture ends at its edges.
+    - `emission`: light sent out, in the file's unit.
+    - `roughness`, `metallic`: as Pr and Pm give them, which exporters of physically based materials write
+      [1].
     """
 
     diffuse: tuple[float, ...] | None = None
@@ -85,12 +74,8 @@ class MtlMaterial:
 class Library:
     """A library of materials.
 
-    Parameters
-    ----------
-    materials
-        By name.
-    notes
-        What is not carried out, each with its effect.
+    - `materials`: by name.
+    - `notes`: what is not carried out, each with its effect.
     """
 
     materials: Mapping[str, MtlMaterial]
@@ -100,8 +85,6 @@ class Library:
 def read_library(text: str) -> Library:
     """Read the text of an MTL file, or of several one after another.
 
-    Examples
-    --------
     >>> floor = read_library("newmtl Floor\\nd 0.2\\nmap_Kd -s 2 3 1 floor tile.png\\n").materials["Floor"]
     >>> floor.picture, floor.scale
     ('floor tile.png', (2.0, 3.0))

@@ -1,8 +1,6 @@
 """OBJ files, as mesh programs, scanners and BIM write them.
 
-References
-----------
-Wavefront 1995, "Object files (.obj)", Advanced Visualizer, appendix B1.
+Source: Wavefront 1995, "Object files (.obj)", Advanced Visualizer, appendix B1.
 """
 
 from __future__ import annotations
@@ -98,19 +96,11 @@ class _Lines:
 def read_obj(content: bytes, references: References, most_px: int, most_triangles: int | None) -> Model:
     """Surfaces and skins of an OBJ file with its libraries of materials.
 
-    Parameters
-    ----------
-    most_px
-        Longest edge of textures [px].
-    most_triangles
-        As many at most; by default the limit ``mesh_triangles``.
+    - `most_px`: longest edge of textures [px].
+    - `most_triangles`: as many at most; by default the limit ``mesh_triangles``.
 
-    Raises
-    ------
-    Damaged
-        Where a line is not what the format says; the message names it.
-    UserError
-        Where files it names cannot be read, or it is too large.
+    Raises Damaged where a line is not what the format says; the message names it. Raises UserError where
+    files it names cannot be read, or it is too large.
     """
     where = references.where
     if len(content) > limits().bytes_of("obj_mb"):  # text takes many times its size while it is parsed

@@ -1,8 +1,6 @@
 """PLY files, as scanners write them: text or binary, of either byte order.
 
-References
-----------
-Turk 1994, "The PLY Polygon File Format".
+Source: Turk 1994, "The PLY Polygon File Format".
 """
 
 from __future__ import annotations

@@ -27,14 +27,9 @@ def surface_of(
 ) -> Surface:
     """Polygons as a surface whose vertices differ where texture coordinates or normals do.
 
-    Parameters
-    ----------
-    sizes
-        (F,) corners of each polygon.
-    corners
-        (C, 3) of each corner the vertex and the rows of `uv` and `normals`.
-    colours
-        (V, 3) of the vertices, linear [1].
+    - `sizes`: (F,) corners of each polygon.
+    - `corners`: (C, 3) of each corner the vertex and the rows of `uv` and `normals`.
+    - `colours`: (V, 3) of the vertices, linear [1].
     """
     key, wide = np.zeros(len(corners), np.int64), corners.max(axis=0, initial=0) + 1
     for column in range(3):
@@ -56,16 +51,10 @@ def surface_of(
 def triangulated(points: NDArray[np.float64], sizes: NDArray[np.int64]) -> NDArray[np.int64]:
     """(T, 3) corners of triangles that cover polygons, convex or not; those of two corners are left out.
 
-    Parameters
-    ----------
-    points
-        (C, 3) corners of all polygons, one polygon after another.
-    sizes
-        (F,) corners of each.
+    - `points`: (C, 3) corners of all polygons, one polygon after another.
+    - `sizes`: (F,) corners of each.
 
-    References
-    ----------
-    Meisters 1975, "Polygons have ears".
+    Source: Meisters 1975, "Polygons have ears".
     """
     start = np.cumsum(sizes) - sizes
     parts, faces = [np.zeros((0, 3), np.int64)], [np.zeros(0, np.int64)]

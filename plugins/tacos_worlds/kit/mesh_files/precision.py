@@ -14,11 +14,8 @@ _COARSE = 2e-4
 def rounding_note(vertices: NDArray[np.float64], *, single: bool = False) -> Iterator[str]:
     """What is lost where positions far from the origin went through single precision.
 
-    Parameters
-    ----------
-    single
-        Whether they are known to have. Else they look so where all along the farthest axis are such numbers,
-        but for the decimals they were written with, and not all of them are whole.
+    - `single`: whether they are known to have. Else they look so where all along the farthest axis are such
+      numbers, but for the decimals they were written with, and not all of them are whole.
     """
     if not len(vertices) or not np.isfinite(vertices).all():
         return

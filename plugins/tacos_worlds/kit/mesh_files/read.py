@@ -24,22 +24,13 @@ def read_model(
 ) -> Model:
     """Read a file of triangles and all it refers to; sizes are checked before anything is decoded.
 
-    Parameters
-    ----------
-    path
-        A file that ends in one of `SUFFIXES`.
-    most_px
-        Longest edge of textures [px].
-    within
-        The folder that neither the file nor what it refers to may lie outside of; by default its own.
-    most_triangles
-        Triangles it may have at most, copies in the scene counted each; by default the limit
-        ``mesh_triangles``.
+    - `path`: a file that ends in one of `SUFFIXES`.
+    - `most_px`: longest edge of textures [px].
+    - `within`: the folder that neither the file nor what it refers to may lie outside of; by default its own.
+    - `most_triangles`: triangles it may have at most, copies in the scene counted each; by default the limit
+      ``mesh_triangles``.
 
-    Raises
-    ------
-    UserError
-        With the faults of the file and of what it refers to.
+    Raises UserError with the faults of the file and of what it refers to.
     """
     where, kind = str(path), path.suffix.lower()
     folder = path.parent if within is None else within

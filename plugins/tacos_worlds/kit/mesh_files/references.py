@@ -20,16 +20,10 @@ _TEXTURES_MB = 800
 class References:
     """Gives the files that a file names, and keeps what is wrong with them and what is to be said.
 
-    Parameters
-    ----------
-    path
-        The file that names others, whose names start from its folder.
-    within
-        The folder they must lie in.
-    where
-        What names the file in messages.
-    size_bytes
-        Its own size, which counts towards that of all.
+    - `path`: the file that names others, whose names start from its folder.
+    - `within`: the folder they must lie in.
+    - `where`: what names the file in messages.
+    - `size_bytes`: its own size, which counts towards that of all.
     """
 
     def __init__(self, path: Path, within: Path, where: str, size_bytes: int):
@@ -50,10 +44,7 @@ class References:
     def bytes_of(self, name: str, *, quoted: bool = False) -> bytes:
         """The bytes that a name or a data URI stands for.
 
-        Parameters
-        ----------
-        quoted
-            Whether the name is written as in a URI.
+        - `quoted`: whether the name is written as in a URI.
         """
         try:
             content = self._data(name) if name.startswith("data:") else self._file(name, quoted)

@@ -1,8 +1,6 @@
 """STL files: triangles without names, colours or a unit.
 
-References
-----------
-3D Systems 1989, "StereoLithography Interface Specification".
+Source: 3D Systems 1989, "StereoLithography Interface Specification".
 """
 
 from __future__ import annotations

@@ -1,9 +1,7 @@
 """The opaque part of a mask as convex polygons: rectangles inside, marching squares along its edge.
 
-References
-----------
-Lorensen and Cline 1987, "Marching cubes", in two dimensions: the edge runs where the opacity, interpolated
-between texels as a sampler does, is the cutoff.
+Source: Lorensen and Cline 1987, "Marching cubes", in two dimensions: the edge runs where the opacity,
+interpolated between texels as a sampler does, is the cutoff.
 """
 
 from __future__ import annotations

@@ -18,14 +18,9 @@ Floats = NDArray[np.float64]
 def cut(surface: Surface, owner: NDArray[np.int64], polygons: Floats) -> Surface:
     """What of a surface lies within convex polygons of its texture.
 
-    Parameters
-    ----------
-    surface
-        With `uv`.
-    owner
-        (N,) the triangle that each polygon cuts.
-    polygons
-        (N, K, 2) counter-clockwise corners, the last repeated where there are fewer [tiles].
+    - `surface`: with `uv`.
+    - `owner`: (N,) the triangle that each polygon cuts.
+    - `polygons`: (N, K, 2) counter-clockwise corners, the last repeated where there are fewer [tiles].
     """
     assert surface.uv is not None
     corners = surface.uv[surface.triangles]
@@ -63,19 +58,12 @@ def cut(surface: Surface, owner: NDArray[np.int64], polygons: Floats) -> Surface
 def clipped(polygons: Floats, triangles: Floats) -> tuple[Floats, NDArray[np.intp]]:
     """Convex polygons within triangles, pair by pair (Sutherland and Hodgman 1974).
 
-    Parameters
-    ----------
-    polygons
-        (N, K, 2).
-    triangles
-        (N, 3, 2), counter-clockwise.
+    - `polygons`: (N, K, 2).
+    - `triangles`: (N, 3, 2), counter-clockwise.
 
-    Returns
-    -------
-    pieces
-        (M, K + 3, 2) of the pairs that meet, the last corner repeated.
-    row
-        (M,) which pair each is of.
+    Returns:
+    - `pieces`: (M, K + 3, 2) of the pairs that meet, the last corner repeated.
+    - `row`: (M,) which pair each is of.
     """
     row = np.arange(len(polygons))
     for edge in range(3):

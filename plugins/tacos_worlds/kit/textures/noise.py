@@ -19,14 +19,9 @@ def fractal(
 ) -> NDArray[np.float64]:
     """(size, size) Gaussian noise of mean 0 and standard deviation 1 with amplitude 1 / frequency^exponent.
 
-    Parameters
-    ----------
-    exponent
-        0 is white, 1 is pink (equal contrast at every scale), 2 is cloud-like.
-    stretch
-        How much longer features are along (u, v) than across.
-    lowest, highest
-        Band outside of which there is nothing [cycles per tile].
+    - `exponent`: 0 is white, 1 is pink (equal contrast at every scale), 2 is cloud-like.
+    - `stretch`: how much longer features are along (u, v) than across.
+    - `lowest`, `highest`: band outside of which there is nothing [cycles per tile].
     """
     from scipy import fft  # late: checking a recipe draws nothing
 

@@ -121,19 +121,11 @@ def approaches(
     They are spread evenly over a walk, and over as many walks as they need; each has an eye height of its
     own. Where the frames are no multiple of the times, the last approach has those nearest its crossing.
 
-    Parameters
-    ----------
-    walks
-        Walks at an eye height of zero.
-    before_s
-        Times before the crossing, falling [s].
-    camera_height_m
-        Range of the eye's height [m].
+    - `walks`: walks at an eye height of zero.
+    - `before_s`: times before the crossing, falling [s].
+    - `camera_height_m`: range of the eye's height [m].
 
-    Raises
-    ------
-    UserError
-        When walk after walk is shorter than an approach.
+    Raises UserError when walk after walk is shorter than an approach.
     """
     left, in_vain = frames, 0
     while left > 0:

@@ -84,14 +84,9 @@ def building(
 ) -> Piece:
     """A building whose front lies along x at y = 0 and faces -y.
 
-    Parameters
-    ----------
-    open_left, open_right
-        True if the side at x = 0, or at the width, faces a street.
-    detailed
-        With cornices, bay windows, balconies and what stands on roofs.
-    dark
-        With lights in its windows.
+    - `open_left`, `open_right`: true if the side at x = 0, or at the width, faces a street.
+    - `detailed`: with cornices, bay windows, balconies and what stands on roofs.
+    - `dark`: with lights in its windows.
     """
     parts: Parts = []
     w, d = house.width_m, house.depth_m

@@ -117,14 +117,9 @@ def lit_windows(
 ) -> Parts:  # fmt: skip
     """Panes of the upper floors behind which there is light.
 
-    Parameters
-    ----------
-    origin, along
-        Left end of the front at the ground, and the unit vector along it.
-    share
-        Of the windows that are lit [1].
-    panes
-        In two panes, for those that are seen from near.
+    - `origin`, `along`: left end of the front at the ground, and the unit vector along it.
+    - `share`: of the windows that are lit [1].
+    - `panes`: in two panes, for those that are seen from near.
     """
     left, right, low, high = _WINDOW
     found: dict[int, list[Mesh]] = {}

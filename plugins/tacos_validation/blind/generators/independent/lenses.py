@@ -43,9 +43,8 @@ class AberratedPupil(SingleAmplitudeEffect, name="lens-blur", place=2):
 
     The amplitude is wavelength times f-number over the pixel pitch: nothing of a finer period passes.
 
-    References
-    ----------
-    Goodman 2005, "Introduction to Fourier Optics", 6.4: the transfer function is the pupil's autocorrelation.
+    Source: Goodman 2005, "Introduction to Fourier Optics", 6.4: the transfer function is the pupil's
+    autocorrelation.
     """
 
     waves: ClassVar[float] = 0.2

@@ -14,9 +14,8 @@ from tacos_validation.blind.generators.independent.amplitude import SingleAmplit
 class AvalancheGain(SingleAmplitudeEffect, name="conversion-gain-error", place=-1):
     """Electrons multiplied by chance, as in an electron-multiplying sensor: more noise at the same mean.
 
-    References
-    ----------
-    Basden, Haniff and Mackay 2003, "Photon counting strategies with low-light-level CCDs", MNRAS 345: gamma.
+    Source: Basden, Haniff and Mackay 2003, "Photon counting strategies with low-light-level CCDs", MNRAS 345:
+    gamma.
     """
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
@@ -42,9 +41,7 @@ class UnevenFullWells(SingleAmplitudeEffect, name="saturation", place=1):
 class UnevenDarkCurrent(SingleAmplitudeEffect, name="dark-current", place=1):
     """Dark current that spreads lognormally over pixels, some of which are hot.
 
-    References
-    ----------
-    Widenhorn et al. 2002, "Temperature dependence of dark current in a CCD", Proc. SPIE 4669.
+    Source: Widenhorn et al. 2002, "Temperature dependence of dark current in a CCD", Proc. SPIE 4669.
     """
 
     def charge(self, mean: Image, shot: IdealShot, sensor: np.random.Generator) -> Image:
