@@ -144,7 +144,7 @@ def _settle_black(camera: _Answers, pictures: Sequence[Picture], given: Given) -
         "black_level_dn",
         (given.black_level_dn, _GIVEN),
         (raw_dn or None, _RAW),
-        (dark_dn, "the middle value of the darks"),
+        (dark_dn, "the level of the darks"),
         (raw_dn, _RAW),
         guess=0.0,
         unsure="The black level is taken to be 0, as in files made for a display; no dark picture tells it. "
@@ -170,7 +170,7 @@ def _dark_level(pictures: Sequence[Picture]) -> float | None:
     if not darks:
         return None
     shortest = min(darks, key=lambda picture: picture.facts.exposure_ms or math.inf)
-    return float(round(shortest.middle_dn, 1))
+    return float(round(shortest.middle_dn, 2))
 
 
 def _guessed_filters(pictures: Sequence[Picture], entry: dict[str, Any]) -> Iterator[Guess]:

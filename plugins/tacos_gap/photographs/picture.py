@@ -87,11 +87,24 @@ def look_at(path: Path, black_dn: float | None, bit_depth: int | None, cfa: str 
         channels,
         image.dtype.name,
         bits,
-        float(np.median(image)),
+        middle_of(image),
         largest,
         used_bits(image),
         channels == 1 and _has_lattice(image[..., 0]),
     )
+
+
+def middle_of(image: NDArray[np.generic]) -> float:
+    """The mean of what lies within four spreads of the median, as whole numbers tell that to a half [DN].
+
+    The median itself where half is cut off at 0.
+    """
+    values = np.asarray(image, np.float64)
+    middle = float(np.median(values))
+    if middle <= 0:
+        return middle
+    spread = max(1.4826 * float(np.median(np.abs(values - middle))), 1.0)
+    return float(np.mean(values[np.abs(values - middle) <= 4 * spread]))
 
 
 def bits_of(largest_dn: float, sample: str) -> int:
