@@ -14,7 +14,7 @@ from tacos_gap.captures import RealCapture
 from tacos_plugins.effects import closed_forms
 from tacos_plugins.effects.crosstalk import Crosstalk
 from tacos_plugins.effects.dsnu import Dsnu
-from tacos_plugins.effects.edge_spread import edge_variances_px2
+from tacos_plugins.effects.edge_spread import are_sharpened, edge_variances_px2
 from tacos_plugins.effects.lens_blur import LensBlur
 from tacos_plugins.effects.prnu import Prnu
 from tacos_plugins.effects.row_noise import RowNoise
@@ -138,3 +138,23 @@ def test_the_spread_of_an_edge_is_that_of_the_blur(sigma_px, turned):
     assert np.mean(edge_variances_px2(edge)) ** 0.5 == pytest.approx(sigma_px, rel=0.08)
     (found,) = LensBlur.estimate_from([edge])
     assert found.is_seen(0.0)
+
+
+def test_the_width_of_a_sharpened_edge_excludes_no_blur():
+    """Sharpening takes the second moment away that a blur added: nothing is left, and nothing is told."""
+    ideal = np.where(np.mgrid[:HEIGHT, :WIDTH][1] > WIDTH / 2, 160.0, 30.0)
+    slanted = cv2.warpAffine(
+        ideal,
+        np.array([[1, 0.1, -0.05 * HEIGHT], [0, 1, 0.0]]),
+        (WIDTH, HEIGHT),
+        borderMode=cv2.BORDER_REPLICATE,
+    )
+    blurred = replace(Camera(5, blur=0.9).taken("edge", slanted), edge_angle_deg=5.7)
+    sharp = np.stack(
+        [f[..., 0] + 1.2 * (f[..., 0] - cv2.GaussianBlur(f[..., 0], (0, 0), 1.3)) for f in blurred.real_dn]
+    )
+    sharpened = replace(blurred, real_dn=sharp[..., None])
+    assert edge_variances_px2(blurred)
+    assert list(LensBlur.estimate_from([sharpened])) == []
+    assert are_sharpened([sharpened])
+    assert not are_sharpened([blurred])

@@ -31,6 +31,8 @@ class HypothesisTerm:
     """Parameters that differ from the class's defaults; those of one capture are as
     `tacos_gap.hypotheses.by_capture` names them."""
     free: Mapping[str, float]  # names of those that are fitted, each with a step that matters
+    is_stated: bool = False
+    """Whether the files themselves state its discrete settings, so that these are not searched."""
 
     @property
     def use(self) -> str:
@@ -113,6 +115,8 @@ def initial_guesses_for(name: str, cls: type[Any], captures: Sequence[RealCaptur
         if callable(guess := optional(cls, EffectBase, "guesses_from")):
             suggested += guess(captures)
         suggested += guesses_by_capture(cls, captures)
+    if cls.stage == "codec" and suggested and all(each.coding is not None for each in captures):
+        return [replace(term, is_stated=True) for term in initial_guesses_of(name, cls, suggested)]
     return [*initial_guesses_of(name, cls, suggested), *initial_guesses_of(name, cls)]
 
 

@@ -36,7 +36,7 @@ def searched(
     """
     *rest, term = hypothesis
     whole, words = whole_numbers(term), words_of(term)
-    if not whole and not words:
+    if term.is_stated or not (whole or words):
         return hypothesis
     known: dict[str, float] = {}
 

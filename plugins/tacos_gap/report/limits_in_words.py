@@ -79,6 +79,11 @@ def _fringe(value: float, geometry: ImageGeometry) -> str:
     return f"{number(abs(value) * _corner(geometry), 2)} px at the corner"
 
 
+def _dn(of: str = "") -> Worded:
+    """Digital numbers, up or down alike."""
+    return lambda value, g: f"{number(abs(value), 2)} DN {of}".rstrip()
+
+
 def _readout(row_time_us: float, geometry: ImageGeometry) -> str:
     return f"{number(abs(row_time_us) * geometry.full_height_px * 1e-3, 2)} ms from the first row to the last"
 
@@ -118,8 +123,18 @@ _WORDED: dict[tuple[str, str], Worded] = {
     ("pose-error", "rx"): lambda angle, g: f"{number(abs(angle), 2)} deg",
     ("nonlinearity", "a2"): _bow(2),
     ("nonlinearity", "a3"): _bow(3),
+    ("black-level", "offset_dn"): _dn(),
+    ("dark-current", "rate_dn_s"): _dn("per second of exposure"),
+    ("dark-current", "hot_share"): _share("of the pixels"),
+    ("dsnu", "sigma_dn"): _dn("from pixel to pixel"),
+    ("dsnu", "column_sigma_dn"): _dn("from column to column"),
+    ("read-noise", "sigma_dn"): _dn("beside the noise expected"),
+    ("row-noise", "sigma_dn"): _dn("from row to row"),
+    ("row-noise", "column_sigma_dn"): _dn("from column to column"),
+    ("denoise", "strength"): _share("of the noise smoothed"),
+    ("sharpening", "amount"): _share("of the finest detail added again"),
 }
-"""By effect and parameter. Pixels, degrees and DN can be pictured as they are, and have no entry."""
+"""By effect and parameter. Pixels and degrees can be pictured as they are, and have no entry."""
 
 
 def _plain(effect: type[Any] | None, name: str, value: float) -> str:

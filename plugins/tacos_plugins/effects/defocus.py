@@ -27,6 +27,7 @@ from tacos_plugins.effects.blur import blur, disc_transfer, kernel_of
 from tacos_plugins.effects.depth_of_field import blur_by_depth, signed_radius
 from tacos_plugins.effects.disc import disc_kernel
 from tacos_plugins.effects.disc_radius import disc_radius_px
+from tacos_plugins.effects.edge_spread import are_sharpened
 from tacos_plugins.effects.samples import Samples
 from tacos_plugins.effects.shown_by import EDGES
 
@@ -96,6 +97,12 @@ class Defocus:
             observations.one_depth_one_place,
             "edge",
             "edges over the whole field: blur of the lens grows towards the corners",
+        ),
+        LookAlike(
+            "lens-blur",
+            are_sharpened,
+            "edge",
+            "the same edges as RAW or unsharpened files: sharpening hides which blur was there before it",
         ),
     )
     shown_by: ClassVar[Sequence[ShownBy]] = (EDGES,)

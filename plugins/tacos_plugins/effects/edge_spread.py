@@ -5,12 +5,10 @@ Against that of what is expected, so that the pixels' own width cancels. Moments
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import ObservedCapture
+from tacos_framework import Captures, ObservedCapture, structured
 
 STEPS_PER_PX = 4
 """Bins of the distance from the edge, as the standard has them."""
@@ -23,13 +21,27 @@ _LEAST_REACH_PX = 3.0
 _REACH_SPREADS = 3.5  # the moment is taken over so many spreads to either side
 _LEAST_CONTRAST = 8.0  # over the noise-like scatter of a side, or DN
 _LEAST_ROWS = 40
+_OVERSHOOT = 0.03
+"""Share of the contrast beyond either side, over a pixel, from which on sharpening took width away again."""
 
 
 def edge_variances_px2(capture: ObservedCapture) -> list[float]:
     """Variance that blur adds to strips along a straight edge, the way across it [px^2].
 
-    Empty where the capture has no straight edge, or too little of one.
+    Empty where the capture has no straight edge, or too little of one, or a sharpened one: then its second
+    moment tells of no blur.
     """
+    strips = _strips_of(capture)
+    return [_added_px2(*strip) for strip in strips if not _overshoots(strip[0])]
+
+
+def are_sharpened(captures: Captures) -> bool:
+    """Whether any straight edge leaves both of its sides, as light never does."""
+    return any(_overshoots(real) for each in structured(captures) for real, _ in _strips_of(each))
+
+
+def _strips_of(capture: ObservedCapture) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """Profiles (B,) of the strips along a straight edge, real and expected."""
     if capture.edge_angle_deg is None or capture.expected_dn is None:
         return []
     real, expected = (
@@ -41,18 +53,24 @@ def edge_variances_px2(capture: ObservedCapture) -> list[float]:
     distance = _distances_px(expected, valid)
     if distance is None:
         return []
-    return list(_strips(real, expected, distance))
+    strips = [
+        tuple(_profile(image[rows], distance[rows]) for image in (real, expected))
+        for rows in np.array_split(np.arange(len(real)), STRIPS)
+    ]
+    return [(one, other) for one, other in strips if one is not None and other is not None]
 
 
-def _strips(
-    real: NDArray[np.float64], expected: NDArray[np.float64], distance: NDArray[np.float64]
-) -> Iterator[float]:
-    for rows in np.array_split(np.arange(len(real)), STRIPS):
-        profiles = [_profile(image[rows], distance[rows]) for image in (real, expected)]
-        if profiles[0] is not None and profiles[1] is not None:
-            reach = max(_REACH_SPREADS * _moment(profiles[0], _REACH_PX - 1.0) ** 0.5, _LEAST_REACH_PX)
-            reach = min(reach, _REACH_PX - 1.0)
-            yield _moment(profiles[0], reach) - _moment(profiles[1], reach)
+def _added_px2(real: NDArray[np.float64], expected: NDArray[np.float64]) -> float:
+    """Variance of one profile less that of the other, both as far out as the wider one reaches [px^2]."""
+    reach = max(_REACH_SPREADS * _moment(real, _REACH_PX - 1.0) ** 0.5, _LEAST_REACH_PX)
+    reach = min(reach, _REACH_PX - 1.0)
+    return _moment(real, reach) - _moment(expected, reach)
+
+
+def _overshoots(profile: NDArray[np.float64]) -> bool:
+    """Whether a profile leaves both of its sides."""
+    smooth = np.convolve(profile, np.full(STEPS_PER_PX, 1 / STEPS_PER_PX), "valid")
+    return bool(smooth.max() > 1 + _OVERSHOOT and smooth.min() < -_OVERSHOOT)
 
 
 def _distances_px(expected: NDArray[np.float64], valid: NDArray[np.bool_]) -> NDArray[np.float64] | None:

@@ -128,6 +128,15 @@ def test_what_files_say_is_not_searched():
     assert whole_numbers(term) == {}
 
 
+def test_where_all_files_state_a_quality_no_other_is_tried():
+    stated = initial_guesses_for("jpeg", Jpeg, [in_files(83, "a"), in_files(83, "b")])
+    assert {guess.settings["quality"] for guess in stated} == {83}
+    assert all(guess.is_stated for guess in stated)
+    in_part = initial_guesses_for("jpeg", Jpeg, [in_files(83, "a"), in_files(None, "b")])
+    assert len({guess.settings["quality"] for guess in in_part}) > 3
+    assert not any(guess.is_stated for guess in in_part)
+
+
 def test_files_that_say_nothing_suggest_nothing():
     assert list(Jpeg.guesses_from([in_files(None)])) == []
 
