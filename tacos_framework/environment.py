@@ -35,7 +35,6 @@ class Gpu:
 
 
 def usable_cores() -> int:
-    """Processor cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 

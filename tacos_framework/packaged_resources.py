@@ -79,7 +79,6 @@ def find_file(name: str | Path, shipped: Path, *, folder: Path | None = None, no
 
 
 def shipped_names(folder: Path) -> tuple[str, ...]:
-    """The names of the shipped files in a folder, sorted."""
     return tuple(sorted(file.stem for file in folder.glob("*.yaml")))
 
 

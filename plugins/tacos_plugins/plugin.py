@@ -212,11 +212,7 @@ OPTIMIZERS = {
     ),
     "random": ("random_search:RandomSearch", "Independent uniform draws: the baseline any search must beat."),
     "sobol": ("sobol:Sobol", "Scrambled Sobol points: covers the space more evenly than random draws."),
-    "cma-es": (
-        "cma_es:CmaEs",
-        "Covariance matrix adaptation with restarts, on snapped candidates.",
-        "cma",
-    ),
+    "cma-es": ("cma_es:CmaEs", "Covariance matrix adaptation with restarts, on snapped candidates.", "cma"),
     "optuna": (
         "optuna_search:OptunaSearch",
         "Optuna's samplers: Parzen estimators (tpe) and Gaussian processes (gp).",
@@ -254,9 +250,7 @@ PROCEDURES = {
     ),
 }
 
-TRANSFORMS = {
-    "resize": ("resize:Resize", "Smaller images, each pixel the mean of the area that it covers."),
-}
+TRANSFORMS = {"resize": ("resize:Resize", "Smaller images, each pixel the mean of the area that it covers.")}
 
 FAMILIES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "rig": RIGS,

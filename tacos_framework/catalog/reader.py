@@ -93,7 +93,6 @@ class ValueEntry(Settings):
 
 
 def catalog_names() -> tuple[str, ...]:
-    """The names of the catalogs of parts that come with the package."""
     return tuple(name for name in shipped_names(shipped_folder("catalogs")) if name != CAMERAS)
 
 

@@ -19,9 +19,7 @@ if TYPE_CHECKING:
 
 def parser(plugins: Plugins) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="tacos",
-        description="Look around tacos-framework.",
-        epilog="Recipes are run by tacos-run.",
+        prog="tacos", description="Look around tacos-framework.", epilog="Recipes are run by tacos-run."
     )
     parser.add_argument("--version", action="version", version=f"tacos-framework {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")

@@ -27,11 +27,7 @@ class Controller(Protocol):
     Config: ClassVar[type[Settings]]
 
     def adjust(
-        self,
-        frame_dn: NDArray[np.uint8] | NDArray[np.uint16],
-        *,
-        exposure: Exposure,
-        context: ImageContext,
+        self, frame_dn: NDArray[np.uint8] | NDArray[np.uint16], *, exposure: Exposure, context: ImageContext
     ) -> Exposure:
         """The exposure of the next frame.
 

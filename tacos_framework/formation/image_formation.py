@@ -39,10 +39,7 @@ class ImageFormation:
     """
 
     def __init__(
-        self,
-        exposure: Exposure,
-        effects: Sequence[PlacedEffect] = (),
-        control: PlacedControl | None = None,
+        self, exposure: Exposure, effects: Sequence[PlacedEffect] = (), control: PlacedControl | None = None
     ):
         self.exposure = exposure
         self.effects = tuple(effects)
@@ -116,12 +113,7 @@ class ImageFormation:
         return SensorAt(sensor.use, sensor.name, sensor.at(camera.name), camera, self.exposure)
 
     def _exposed(
-        self,
-        view: View,
-        capture: Capture,
-        at: SensorAt,
-        chain: EffectChain,
-        draws: EpisodeDraws,
+        self, view: View, capture: Capture, at: SensorAt, chain: EffectChain, draws: EpisodeDraws
     ) -> NDArray[np.unsignedinteger]:
         """The files of one camera, frame by frame."""
         geometry = ImageGeometry.of_camera(view.camera)

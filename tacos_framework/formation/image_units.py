@@ -9,13 +9,7 @@ from pydantic import ValidationError
 
 from tacos_framework.camera.units import LENGTH_UNITS, binned, image_units_per
 from tacos_framework.errors import CandidateFailed
-from tacos_framework.settings import (
-    Settings,
-    averaging_of,
-    includes_pedestal,
-    physical_settings,
-    unit_of,
-)
+from tacos_framework.settings import Settings, averaging_of, includes_pedestal, physical_settings, unit_of
 from tacos_framework.values import ImageContext, ImageGeometry
 
 

@@ -37,14 +37,7 @@ _ROWS: Final = 128  # of the image, worked out together: bounds memory
 
 _X, _Y, _Z = np.eye(3)
 SIDES: Final = np.array(
-    [
-        (_X, _Y, _Z),
-        (-_Z, _Y, _X),
-        (_Z, _Y, -_X),
-        (_X, -_Z, _Y),
-        (_X, _Z, -_Y),
-        (-_X, _Y, -_Z),
-    ]
+    [(_X, _Y, _Z), (-_Z, _Y, _X), (_Z, _Y, -_X), (_X, -_Z, _Y), (_X, _Z, -_Y), (-_X, _Y, -_Z)]
 )
 """(6, 3, 3) rotations from the camera's frame to that of a side: ahead, right, left, down, up, behind."""
 

@@ -39,11 +39,7 @@ def light_context(view: View, episode: Episode, exposure: Exposure) -> ImageCont
 
 
 def with_light_effects(
-    view: View,
-    episode: Episode,
-    effects: Sequence[ActingEffect],
-    exposure: Exposure,
-    draws: EpisodeDraws,
+    view: View, episode: Episode, effects: Sequence[ActingEffect], exposure: Exposure, draws: EpisodeDraws
 ) -> View:
     """A view with effects on its light, frame by frame.
 
@@ -73,11 +69,7 @@ def _frame(
             frame = _seen_anew(frame, acting, geometry, context)
             continue
         light = acting.on(
-            frame.luminance_cd_m2,
-            geometry=geometry,
-            context=context,
-            draws=draws,
-            frame=episode.first_frame,
+            frame.luminance_cd_m2, geometry=geometry, context=context, draws=draws, frame=episode.first_frame
         )
         if light is not frame.luminance_cd_m2:
             frame = replace(frame, luminance_cd_m2=light)

@@ -109,11 +109,7 @@ AT_BOUND = 0.01
 def notes_on_bounds(plan: Plan, values: Mapping[str, Any]) -> Iterator[str]:
     """Variables of a camera that stand at the end of their range, in a sentence each."""
     for variable in plan.space.as_data():
-        value, lower, upper = (
-            values.get(variable["name"]),
-            variable.get("lower"),
-            variable.get("upper"),
-        )
+        value, lower, upper = (values.get(variable["name"]), variable.get("lower"), variable.get("upper"))
         if not isinstance(value, int | float) or lower is None or upper is None:
             continue
         near = min((lower, upper), key=lambda end: abs(value - end))

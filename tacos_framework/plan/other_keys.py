@@ -45,12 +45,7 @@ def keys_of_recipe(
 
 
 def remedy_for(
-    setting: str,
-    own: type[BaseModel],
-    keys: Mapping[str, KeyOfSetting],
-    plugins: Plugins,
-    *,
-    alone: bool,
+    setting: str, own: type[BaseModel], keys: Mapping[str, KeyOfSetting], plugins: Plugins, *, alone: bool
 ) -> str:
     """Advice about a design variable whose owner has no such setting.
 

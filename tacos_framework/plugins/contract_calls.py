@@ -132,10 +132,7 @@ CALLS: Mapping[str, tuple[Call, ...]] = {
     "rig": (_CONFIG, Call("build", ("variables",)), Call("derived", ("variables",))),
     "renderer": (_CONFIG, Call("capture", None, _SCENARIO, asked_for=True)),
     "transform": (_CONFIG, Call("transform", None, (*_SCENARIO, "memory"), asked_for=True)),
-    "effect": (
-        _CONFIG,
-        Call("on_array", ("samples",), ("geometry", "context", "rng")),
-    ),
+    "effect": (_CONFIG, Call("on_array", ("samples",), ("geometry", "context", "rng"))),
     "sensor": (
         _CONFIG,
         Call("expect", ("light_cd_m2",), _SENSOR),
@@ -145,10 +142,7 @@ CALLS: Mapping[str, tuple[Call, ...]] = {
     ),
     "control": (_CONFIG, Call("adjust", ("frame_dn",), ("exposure", "context"))),
     "task": (_CONFIG, Call("begin", (), ("state",))),
-    "trainable": (
-        Call("initial_state", (), ("rng",)),
-        Call("fit", ("batches",), ("state", "budget", "rng")),
-    ),
+    "trainable": (Call("initial_state", (), ("rng",)), Call("fit", ("batches",), ("state", "budget", "rng"))),
     "optimizer": (
         Call("__init__", ("config",), ("space", "rng"), offered=("problem",)),
         Call("ask"),

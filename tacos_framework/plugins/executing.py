@@ -122,11 +122,9 @@ class GuardedExecutor:
 
     @property
     def workers(self) -> int:
-        """Number of jobs it runs at a time."""
         return int(optional(self._executor, ExecutorBase, "workers"))
 
     def map(self, evaluate: Callable[[Job], Result], jobs: Sequence[Job]) -> Iterator[Result]:
-        """See `map_by_key`."""
         try:
             yield from map_by_key(self._executor, evaluate, jobs, str(self._culprit))
         except Exception as error:
@@ -135,7 +133,6 @@ class GuardedExecutor:
             raise
 
     def close(self) -> None:
-        """Let go of all workers."""
         try:
             self._executor.close()
         except Exception as error:

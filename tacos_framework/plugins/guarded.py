@@ -27,7 +27,6 @@ class Culprit:
 
     @property
     def name(self) -> str:
-        """The component and its distribution."""
         return f"{self.use} of {self.distribution}" if self.distribution else self.use
 
     def __str__(self) -> str:

@@ -84,8 +84,7 @@ class Offers:
         for offer in offered or ():
             if not isinstance(offer, kind):
                 self._failures.add(
-                    plugin.source,
-                    f"it offers a {type(offer).__name__} where a {kind.__name__} is expected",
+                    plugin.source, f"it offers a {type(offer).__name__} where a {kind.__name__} is expected"
                 )
         return [offer for offer in offered or () if isinstance(offer, kind)]
 

@@ -98,7 +98,6 @@ def _listed(names: Sequence[str], joined_by: str = "and") -> str:
 
 
 def _keep_one(offers: Sequence[Registered]) -> str:
-    """Advice about a name that is offered more than once."""
     if len(set(_sources(offers))) == 1:
         return f"Have {offers[0].source} list it once."
     if all(offer.distribution for offer in offers):

@@ -43,11 +43,9 @@ class ProcedureRecipe(Written):
 
     @property
     def text(self) -> Document | None:
-        """See `Written`."""
         return self.document
 
     def as_data(self) -> dict[str, Any]:
-        """The recipe as plain data."""
         return {
             "tacos": FORMAT,
             "name": self.name or self.use,

@@ -124,7 +124,6 @@ class Recipe(Written, Settings):
 
     @property
     def text(self) -> Document | None:
-        """See `Written`."""
         return self._document
 
     def as_data(self) -> dict[str, Any]:

@@ -84,8 +84,7 @@ class FromCatalog(Settings):
 
     catalog: str = setting(help="Name of a shipped catalog, or a path beside the recipe.", alias="from")
     scheme: Literal["quantized", "discrete"] | None = setting(
-        None,
-        help="How the optimizer sees the rows (paper, Sec. 3.3); by default as the catalog says.",
+        None, help="How the optimizer sees the rows (paper, Sec. 3.3); by default as the catalog says."
     )
     columns: tuple[str, ...] | None = setting(
         None, help="Columns that span the quantized space; those of the catalog's own choice if absent."
@@ -209,7 +208,7 @@ class StudySettings(Settings):
 
     retired_keys: ClassVar[Mapping[str, str]] = {
         "race": "Take it out: races dropped the best candidate too often. To spend fewer images, lower "
-        "`episodes`, or take an optimizer that asks for single episodes.",
+        "`episodes`, or take an optimizer that asks for single episodes."
     }
 
     episodes: int = setting(1, help="Episodes each candidate is scored on.", ge=1)
@@ -272,7 +271,7 @@ class Test(Settings):
 
     retired_keys: ClassVar[Mapping[str, str]] = {
         "margin": "Use `margins`, which has a difference for each score in its unit, as in "
-        "{features.inliers: 5}; without it those hold that the tasks declare.",
+        "{features.inliers: 5}; without it those hold that the tasks declare."
     }
 
     seed: int = setting(help="Seed of the test scenes.", ge=0)

@@ -14,7 +14,6 @@ class Written:
 
     @property
     def text(self) -> Document | None:
-        """The document it was read from."""
         raise NotImplementedError
 
     def where(self, path: Sequence[str | int]) -> str:

@@ -23,10 +23,7 @@ Checked = TypeVar("Checked")
 
 
 def check(
-    kind: type[Checked] | Any,
-    raw: Any,
-    where: Callable[[KeyPath], str],
-    name: str = "",
+    kind: type[Checked] | Any, raw: Any, where: Callable[[KeyPath], str], name: str = ""
 ) -> tuple[Checked | None, list[Fault], list[KeyPath]]:
     """Validate plain data strictly against a Settings class or any type.
 

@@ -27,10 +27,7 @@ _EXPECTED = {
 """By the type of pydantic's complaint."""
 
 _LETTERS = "lower-case letters, digits and _, beginning with a letter"
-_FORMS = {
-    r"^[a-z][a-z0-9_]*$": _LETTERS,
-    r"^[a-z][a-z0-9_-]*$": _LETTERS.replace("and _", "_ and -"),
-}
+_FORMS = {r"^[a-z][a-z0-9_]*$": _LETTERS, r"^[a-z][a-z0-9_-]*$": _LETTERS.replace("and _", "_ and -")}
 """Patterns that settings have, in words."""
 
 

@@ -31,7 +31,6 @@ class Evaluator:
         self._simulation: Simulation | None = None
 
     def __call__(self, job: Job[Result]) -> Result:
-        """Run a job."""
         return job.run(self.simulation)
 
     def lost(self, job: Job[Result], reason: str) -> Result:
@@ -40,12 +39,10 @@ class Evaluator:
 
     @property
     def plan(self) -> Plan:
-        """The checked plan that is simulated."""
         return self._plan or self.simulation.plan
 
     @property
     def simulation(self) -> Simulation:
-        """The simulation of this process."""
         if self._simulation is None:
             plugins = self._plugins or self._discover()
             self._simulation = Simulation(

@@ -27,9 +27,7 @@ Result = TypeVar("Result", covariant=True)
 class Job(Protocol[Result]):
     """Something to do with a simulation, in whatever process it lives."""
 
-    def run(self, simulation: Simulation) -> Result:
-        """Do it."""
-        ...
+    def run(self, simulation: Simulation) -> Result: ...
 
     def lost(self, reason: str) -> Result:
         """The result of a job whose process dies or hangs, again and again."""
@@ -58,13 +56,11 @@ class ScoreJob:
         return first and first.world
 
     def run(self, simulation: Simulation) -> Evaluation:
-        """See `Simulation.evaluate`."""
         return simulation.evaluate(
             self.values, self.episodes, states=self.states, training=self.training, partial=self.partial
         )
 
     def lost(self, reason: str) -> Evaluation:
-        """The candidate failed."""
         return Evaluation(values=self.values, failed=reason)
 
 
@@ -88,7 +84,6 @@ class PrepareJob:
             return self.lost(f"{type(error).__name__}: {error}")
 
     def lost(self, reason: str) -> Evaluation:
-        """Nothing was prepared."""
         log.info("no training was prepared: %s", reason)
         return Evaluation(values=self.values)
 
@@ -107,7 +102,6 @@ class BuildJob:
 
     @property
     def affinity(self) -> Hashable:
-        """The world."""
         return self.episode.world
 
     def run(self, simulation: Simulation) -> None:
@@ -118,7 +112,6 @@ class BuildJob:
             self.lost(f"{type(error).__name__}: {error}")
 
     def lost(self, reason: str) -> None:
-        """Nothing was built."""
         log.info("a world was not built ahead: %s", reason)
 
 
@@ -140,7 +133,6 @@ class SampleJob:
 
     @property
     def affinity(self) -> Hashable:
-        """Its world."""
         return self.episode.world
 
     def run(self, simulation: Simulation) -> list[SampleFrame]:
@@ -153,7 +145,6 @@ class SampleJob:
             return self.lost(f"{type(error).__name__}: {error}")
 
     def lost(self, reason: str) -> list[SampleFrame]:
-        """No pictures."""
         log.warning("no sample frames of %s: %s", dict(self.values), reason)
         return []
 

@@ -263,7 +263,6 @@ class Simulation:
 
 
 def _scenarios(contexts: Mapping[str, EvaluationContext], spec: EpisodeSpec) -> list[str]:
-    """The scenarios an episode is seen in."""
     return list(contexts) if spec.scenario is None else [spec.scenario]
 
 

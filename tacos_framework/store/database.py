@@ -144,13 +144,11 @@ class Database:
         return self._values("kind = ?", (kind,))
 
     def count(self, kind: str) -> int:
-        """Number of entries of a kind."""
         with self._reading():
             ((count,),) = self._connection.execute("SELECT count(*) FROM entries WHERE kind = ?", (kind,))
         return int(count)
 
     def kinds(self) -> list[str]:
-        """Kinds of entries present."""
         with self._reading():
             return [kind for (kind,) in self._connection.execute("SELECT DISTINCT kind FROM entries")]
 

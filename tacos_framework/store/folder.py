@@ -142,7 +142,6 @@ class RunFolder:
                 file.write(lines_file([line]))
 
     def write_lines(self, name: str, lines: Iterable[Mapping[str, Any]]) -> None:
-        """Replace the lines of a file."""
         kept = list(lines)
         with self.transaction() as database:
             database.remove(name)
@@ -151,7 +150,6 @@ class RunFolder:
         self._replace(name, lines_file(kept))
 
     def read_lines(self, name: str) -> list[Any]:
-        """The lines of a file, as the database has them."""
         with self.database() as database:
             return list(database.all(name).values())
 
@@ -200,7 +198,6 @@ class RunFolder:
         return found
 
     def remove(self, name: str) -> None:
-        """Remove a file, if it is there, with its lines."""
         with self.transaction() as database:
             database.remove(FILES, name)
             database.remove(name)

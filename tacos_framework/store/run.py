@@ -86,9 +86,7 @@ class Results(RunFolder):
             return results, results._checkpoint_of(recipe, comparable)
 
     def _checkpoint_of(
-        self,
-        recipe: Mapping[str, Any],
-        comparable: Callable[[Mapping[str, Any]], Mapping[str, Any]],
+        self, recipe: Mapping[str, Any], comparable: Callable[[Mapping[str, Any]], Mapping[str, Any]]
     ) -> dict[str, Any] | None:
         """The last checkpoint of the run in the folder, which must be of this recipe."""
         folder, begun = self.folder, self.folder / RECIPE

@@ -27,11 +27,7 @@ class GuardedOptimizer:
     """
 
     def __init__(
-        self,
-        part: ConfiguredComponent,
-        space: DesignSpace,
-        rng: np.random.Generator,
-        problem: DesignProblem,
+        self, part: ConfiguredComponent, space: DesignSpace, rng: np.random.Generator, problem: DesignProblem
     ) -> None:
         self._part, self._space, self._episodes = part, space, problem.episodes
         supplied: dict[str, Any] = {"space": space, "rng": rng}

@@ -114,7 +114,6 @@ class JournaledExecutor:
 
     @property
     def workers(self) -> int:
-        """Number of jobs it runs at a time."""
         return int(optional(self._executor, ExecutorBase, "workers"))
 
     def map(self, evaluate: Callable[[Job], Result], jobs: Sequence[Job]) -> Iterator[Result]:
@@ -136,5 +135,4 @@ class JournaledExecutor:
         return self._journal.find(job) if isinstance(job, ScoreJob) else None
 
     def close(self) -> None:
-        """Let go of all workers."""
         self._executor.close()

@@ -81,5 +81,4 @@ class StudyRecord:
 
     @property
     def products(self) -> tuple[StudiedCamera, ...]:
-        """The cameras off the shelf."""
         return tuple(camera for camera in self.cameras if camera.name != self.designed)

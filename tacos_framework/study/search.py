@@ -54,10 +54,7 @@ class Search(SearchState):
     # one generation ---------------------------------------------------------------------------------------
 
     def step(
-        self,
-        executor: Executor,
-        evaluate: Evaluator,
-        on_evaluated: Callable[[Evaluation], None],
+        self, executor: Executor, evaluate: Evaluator, on_evaluated: Callable[[Evaluation], None]
     ) -> list[Evaluation]:
         """Ask for candidates, evaluate them, tell; returns the evaluations, in the order asked.
 

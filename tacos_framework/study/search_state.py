@@ -154,7 +154,6 @@ class SearchState:
         }
 
     def take_up(self, state: Mapping[str, Any], states: dict[str, State]) -> None:
-        """Go on from what `as_data` gave."""
         for name in _PLAIN_STATE:
             setattr(self, name, state[name])
         self.finalists = [evaluation_from(evaluation) for evaluation in state["finalists"]]
@@ -174,6 +173,5 @@ def _evaluation_or_none(data: Mapping[str, Any] | None) -> Evaluation | None:
 
 
 def fitness_of(evaluation: Evaluation) -> float:
-    """The fitness of an evaluation that has one."""
     assert evaluation.fitness is not None
     return evaluation.fitness

@@ -36,11 +36,9 @@ class BuildingAhead:
 
     @property
     def workers(self) -> int:
-        """Number of jobs it runs at a time."""
         return int(optional(self._executor, ExecutorBase, "workers"))
 
     def map(self, evaluate: Callable[[Job], Result], jobs: Sequence[Job]) -> Iterator[Result]:
-        """The results of the jobs, in their order."""
         ahead: Sequence[Any] = list(self._ahead(jobs)) if self.workers > 1 else []
         results = iter(self._executor.map(evaluate, [*jobs, *ahead]))
         yield from islice(results, len(jobs))
@@ -55,5 +53,4 @@ class BuildingAhead:
                 yield BuildJob(values, world)
 
     def close(self) -> None:
-        """Let go of all workers."""
         self._executor.close()

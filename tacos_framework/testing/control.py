@@ -35,11 +35,9 @@ class ControlConformance(ComponentConformance):
             yield exposure
 
     def context(self, exposure: Exposure, memory: dict[str, Any]) -> ImageContext:
-        """Context of a frame."""
         return ImageContext(exposure.time_s, exposure.gain_db, exposure.f_number, memory=memory)
 
     def settled(self, luminance_cd_m2: float) -> Exposure:
-        """The final exposure."""
         return list(self.exposures(self.make(), luminance_cd_m2))[-1]
 
     def test_its_warm_up_is_a_number_of_frames(self) -> None:

@@ -19,12 +19,7 @@ from tacos_framework.testing.component import ComponentConformance
 from tacos_framework.testing.fingerprint import fingerprint
 from tacos_framework.testing.forming import expose, placed, with_effect
 from tacos_framework.testing.linear_sensor import LinearSensor
-from tacos_framework.testing.samples import (
-    sample_capture,
-    sample_expected_dn,
-    sample_exposure,
-    sample_frames,
-)
+from tacos_framework.testing.samples import sample_capture, sample_expected_dn, sample_exposure, sample_frames
 from tacos_framework.values import Capture, FrameBatch, ImageContext, ImageGeometry
 
 NEARLY = 1e-3
@@ -47,7 +42,6 @@ class EffectConformance(ComponentConformance):
         return sample_expected_dn()
 
     def context(self) -> ImageContext:
-        """Context of the sample."""
         capture, exposure = sample_capture(), sample_exposure()
         view, in_sensor = capture.views[0], self.component.stage in ("pixel", "readout")
         return ImageContext(
@@ -61,7 +55,6 @@ class EffectConformance(ComponentConformance):
         )
 
     def geometry(self) -> ImageGeometry:
-        """Geometry of the sample."""
         return ImageGeometry.of_camera(sample_capture().views[0].camera)
 
     def on_array(self, samples: NDArray[Any], config: Mapping[str, Any], *, seed: int = 1) -> NDArray[Any]:

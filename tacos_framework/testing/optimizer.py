@@ -40,7 +40,6 @@ class OptimizerConformance(ComponentConformance):
     kind: ClassVar[str] = "optimizer"
 
     def space(self) -> DesignSpace:
-        """The design space of the tests."""
         return DesignSpace(
             [
                 Continuous("pitch_deg", -30, 30, "deg"),
@@ -50,7 +49,6 @@ class OptimizerConformance(ComponentConformance):
         )
 
     def problem(self) -> DesignProblem:
-        """The problem for optimizers that ask for it."""
         return DesignProblem(
             Fitness((FitnessTerm("task.score", 1.0),)),
             episodes=EPISODES,
@@ -64,7 +62,6 @@ class OptimizerConformance(ComponentConformance):
         )
 
     def make(self, seed: int = 1) -> Any:
-        """The optimizer under test."""
         supplied: dict[str, Any] = {"space": self.space(), "rng": np.random.default_rng(seed)}
         if takes_problem(self.component):
             supplied["problem"] = self.problem()

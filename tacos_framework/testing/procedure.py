@@ -23,7 +23,6 @@ class InThisProcess:
     workers = 1
 
     def map(self, evaluate: Any, jobs: Any) -> Any:
-        """The results of plain calls."""
         return map(evaluate, jobs)
 
     def close(self) -> None:

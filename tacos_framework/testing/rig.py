@@ -21,7 +21,6 @@ class RigConformance(ComponentConformance):
     variables: ClassVar[Mapping[str, Any]] = {}
 
     def make_variables(self) -> Any:
-        """The variables under test."""
         return self.component.Variables(**self.variables)
 
     def test_its_variables_are_frozen_and_documented(self) -> None:

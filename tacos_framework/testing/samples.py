@@ -123,7 +123,6 @@ def sample_capture(
 
 
 def part_of(capture: Capture, start: int, stop: int | None) -> Capture:
-    """A run of consecutive frames of a capture."""
     run = slice(start, stop)
     names = ("world_from_camera", "luminance_cd_m2", "depth_m", "object_id")
     views = (replace(v, **{name: getattr(v, name)[run] for name in names}) for v in capture.views)

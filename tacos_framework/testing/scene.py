@@ -22,11 +22,7 @@ class SceneConformance(ComponentConformance):
     def generate(self, seed: int = 1, **changes: Any) -> Episode:
         """An episode by a new instance of the scene."""
         scene = self.make()
-        offered = {
-            "rng": np.random.default_rng(seed),
-            "illumination_lux": self.illumination_lux,
-            **changes,
-        }
+        offered = {"rng": np.random.default_rng(seed), "illumination_lux": self.illumination_lux, **changes}
         episode = scene.episode(**supplied(scene.episode, **offered))
         assert isinstance(episode, Episode)
         return episode

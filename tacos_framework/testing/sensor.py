@@ -35,7 +35,6 @@ class SensorConformance(ComponentConformance):
         return expose(self.make(), capture, seed=seed, exposure=sample_exposure(time_s=time_s))
 
     def camera(self, binning: float = 1.0) -> Camera:
-        """The camera of the samples."""
         return replace(sample_rig().cameras[0], binning=binning)
 
     def expected(self, sensor: Any, share: float) -> Samples:

@@ -27,7 +27,6 @@ class TaskConformance(ComponentConformance):
         return sample_frames(sample_rig(width_px=320, height_px=240))
 
     def state(self, task: Any) -> State | None:
-        """The state scorers begin with."""
         return None
 
     def score(self, batches: Sequence[FrameBatch]) -> Scores:
@@ -75,7 +74,6 @@ class TrainableConformance(TaskConformance):
     """The suite for tasks that learn."""
 
     def state(self, task: Any) -> State:
-        """The state of an untrained task."""
         state: State = task.initial_state(rng=np.random.default_rng(1))
         return state
 
@@ -85,7 +83,6 @@ class TrainableConformance(TaskConformance):
             assert reason is None or (isinstance(reason, str) and reason.strip())
 
     def fit(self, state: State) -> State:
-        """The state after one epoch on the frames."""
         task, frames = self.make(), self.frames()
         batches = [batch(frames, 0, 2), batch(frames, 2, None)]
         fitted: State = task.fit(batches, state=state, budget=Budget(epochs=1), rng=np.random.default_rng(2))
@@ -142,7 +139,6 @@ class TrainableConformance(TaskConformance):
 
 
 def batch(frames: FrameBatch, start: int, stop: int | None) -> FrameBatch:
-    """A run of consecutive frames of a batch."""
     return FrameBatch(
         part_of(frames.capture, start, stop),
         tuple(image[start:stop] for image in frames.images),

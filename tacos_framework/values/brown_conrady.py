@@ -111,11 +111,7 @@ class BrownConrady(NamedTuple):
             reach *= 1.5
 
     def _newton(
-        self,
-        u: NDArray[np.float64],
-        v: NDArray[np.float64],
-        x: NDArray[np.float64],
-        y: NDArray[np.float64],
+        self, u: NDArray[np.float64], v: NDArray[np.float64], x: NDArray[np.float64], y: NDArray[np.float64]
     ) -> Points:
         r2 = u**2 + v**2
         radial = 1 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3))

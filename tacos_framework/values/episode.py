@@ -142,8 +142,5 @@ class Episode:
         if step != 1:
             raise ValueError("a batch is a run of consecutive frames: episode[start:stop]")
         return replace(
-            self,
-            time_s=self.time_s[frames],
-            walk=self.walk[frames],
-            first_frame=self.first_frame + start,
+            self, time_s=self.time_s[frames], walk=self.walk[frames], first_frame=self.first_frame + start
         )

@@ -168,12 +168,10 @@ class World:
 
     @property
     def triangle_count(self) -> int:
-        """Number of triangles in all parts."""
         return sum(len(part.triangles) for part in self.parts)
 
     @property
     def nbytes(self) -> int:
-        """Memory of its arrays [bytes]."""
         of_parts = (part.vertices_m.nbytes * 8 // 3 + part.triangles.nbytes for part in self.parts)
         images = {id(image): image for m in self.materials for image in (m.texture, m.normal_map)}
         maps = (image.nbytes for image in images.values() if image is not None)

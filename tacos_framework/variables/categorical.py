@@ -28,7 +28,6 @@ class Categorical:
 
     @property
     def genes(self) -> tuple[Gene, ...]:
-        """One index into the values."""
         return (Gene(self.name, self.name, "choice", 0.0, float(len(self.values) - 1)),)
 
     def decode(self, genes: Sequence[float]) -> tuple[Any, tuple[float, ...]]:
@@ -44,11 +43,9 @@ class Categorical:
         return (float(tagged.index(_tagged(value))),)
 
     def draw(self, rng: np.random.Generator) -> tuple[float, ...]:
-        """Each value alike."""
         return (float(rng.integers(len(self.values))),)
 
     def as_data(self) -> dict[str, Any]:
-        """The variable as JSON values."""
         return {"name": self.name, "kind": "categorical", "unit": "", "values": list(self.values)}
 
 

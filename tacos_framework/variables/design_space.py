@@ -59,7 +59,6 @@ class DesignSpace:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of the variables."""
         return tuple(variable.name for variable in self.variables)
 
     def decode(self, genes: Sequence[float] | NDArray[np.float64]) -> Candidate:

@@ -29,25 +29,20 @@ class Continuous:
 
     @property
     def genes(self) -> tuple[Gene, ...]:
-        """One continuous gene."""
         return (Gene(self.name, self.name, "continuous", float(self.lower), float(self.upper)),)
 
     def decode(self, genes: Sequence[float]) -> tuple[float, tuple[float, ...]]:
-        """The gene itself."""
         value = float(genes[0]) + 0.0  # -0.0 becomes 0.0, so that equal candidates have equal keys
         return value, (value,)
 
     def encode(self, value: Any) -> tuple[float, ...]:
-        """The value itself."""
         _check_inside(self, value)
         return (float(value),)
 
     def draw(self, rng: np.random.Generator) -> tuple[float, ...]:
-        """Uniform between the bounds."""
         return (rng.uniform(self.lower, self.upper),)
 
     def as_data(self) -> dict[str, Any]:
-        """The variable as JSON values."""
         bounds = {"lower": self.lower, "upper": self.upper}
         return {"name": self.name, "kind": "continuous", "unit": self.unit, **bounds}
 
@@ -69,7 +64,6 @@ class Integer:
 
     @property
     def genes(self) -> tuple[Gene, ...]:
-        """One integer gene."""
         return (Gene(self.name, self.name, "integer", float(self.lower), float(self.upper)),)
 
     def decode(self, genes: Sequence[float]) -> tuple[int, tuple[float, ...]]:
@@ -78,18 +72,15 @@ class Integer:
         return value, (float(value),)
 
     def encode(self, value: Any) -> tuple[float, ...]:
-        """The value itself."""
         _check_inside(self, value)
         if value != int(value):
             raise ValueError(f"{self.name} is a whole number, not {value}")
         return (float(value),)
 
     def draw(self, rng: np.random.Generator) -> tuple[float, ...]:
-        """Each whole number alike."""
         return (float(rng.integers(int(self.lower), int(self.upper), endpoint=True)),)
 
     def as_data(self) -> dict[str, Any]:
-        """The variable as JSON values."""
         bounds = {"lower": self.lower, "upper": self.upper}
         return {"name": self.name, "kind": "integer", "unit": self.unit, **bounds}
 

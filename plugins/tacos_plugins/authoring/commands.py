@@ -25,10 +25,7 @@ def commands() -> list[Command]:
             _completion,
         ),
         Command(
-            "new-plugin",
-            "write a plugin project that passes its tests",
-            _new_plugin_arguments,
-            _new_plugin,
+            "new-plugin", "write a plugin project that passes its tests", _new_plugin_arguments, _new_plugin
         ),
     ]
 

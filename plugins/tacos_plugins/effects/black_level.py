@@ -46,10 +46,7 @@ class BlackLevel:
     stage: ClassVar[Stage] = "readout"
     rank: ClassVar[int] = 40
     neutral: ClassVar[Mapping[str, Any]] = {"offset_dn": 0.0}
-    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
-        {"offset_dn": 2.0},
-        {"offset_dn": -2.0},
-    )
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"offset_dn": 2.0}, {"offset_dn": -2.0})
     look_alikes: ClassVar[Sequence[LookAlike]] = (
         LookAlike(
             "veiling-glare",

@@ -93,9 +93,7 @@ class _Boards:
         return bool(np.isfinite(matrix).all() and np.isfinite(rms_px) and WIDEST_FOCAL < f < LONGEST_FOCAL)
 
 
-def _seen(
-    captures: Captures,
-) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64], ObservedCapture]]:
+def _seen(captures: Captures) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64], ObservedCapture]]:
     for capture in captures:
         if capture.corners is not None:
             points_mm, corners_px = capture.corners

@@ -206,7 +206,6 @@ def _middle(frames: NDArray[np.floating]) -> NDArray[np.floating]:
 
 
 def _parts(frames: NDArray[np.floating]) -> Iterator[NDArray[np.floating]]:
-    """Parts of (N, H, W, C) frames."""
     for rows in np.array_split(frames, PARTS[0], axis=1):
         yield from np.array_split(rows, PARTS[1], axis=2)
 

@@ -35,10 +35,7 @@ class ConversionGainError:
     stage: ClassVar[Stage] = "pixel"
     rank: ClassVar[int] = 40
     neutral: ClassVar[Mapping[str, Any]] = {"scale": 1.0}
-    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
-        {"scale": 1.3},
-        {"scale": 0.75},
-    )
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"scale": 1.3}, {"scale": 0.75})
     shown_by: ClassVar[Sequence[ShownBy]] = (FLAT,)
 
     def __init__(self, config: Config) -> None:

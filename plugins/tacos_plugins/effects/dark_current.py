@@ -60,10 +60,7 @@ class DarkCurrent:
         )
         hot_share: float = setting(0.0, help="Share of hot photosites; 1e-5 to 1e-3 is usual.", ge=0, le=1)
         hot_rate_dn_s: float = setting(
-            300.0,
-            help="Mean further dark signal of the hot pixels per second.",
-            unit="DN/s",
-            gt=0,
+            300.0, help="Mean further dark signal of the hot pixels per second.", unit="DN/s", gt=0
         )
         rate_e_s: float | None = physical(
             "rate_dn_s", help="Dark current of every photosite.", unit="e-/s", ge=0, le=1e9
@@ -72,9 +69,7 @@ class DarkCurrent:
             "hot_rate_dn_s", help="Mean further dark current of the hot photosites.", unit="e-/s", gt=0
         )
         map_seed: int = setting(
-            0,
-            help="Names the individual sensor: the same seed has the same hot pixels.",
-            ge=0,
+            0, help="Names the individual sensor: the same seed has the same hot pixels.", ge=0
         )
 
     stage: ClassVar[Stage] = "pixel"

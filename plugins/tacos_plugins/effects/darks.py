@@ -72,7 +72,6 @@ class SteadyDark:
 
 
 def steady_darks(captures: Captures) -> list[SteadyDark]:
-    """The darks among captures, by exposure time."""
     return sorted(map(_steady, of_kind(captures, "dark")), key=lambda d: d.capture.context.exposure_s)
 
 

@@ -86,10 +86,7 @@ class Defocus:
     stage: ClassVar[Stage] = "optics"
     rank: ClassVar[int] = 30
     neutral: ClassVar[Mapping[str, Any]] = {"radius_px": 0.0, "focus_m": None}
-    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
-        {"radius_px": 1.5},
-        {"radius_px": 4.0},
-    )
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"radius_px": 1.5}, {"radius_px": 4.0})
     by_capture: ClassVar[Sequence[str]] = ("radius_px",)
     look_alikes: ClassVar[Sequence[LookAlike]] = (
         LookAlike(

@@ -10,16 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import (
-    Captures,
-    Estimate,
-    ImageContext,
-    ImageGeometry,
-    Settings,
-    ShownBy,
-    Stage,
-    setting,
-)
+from tacos_framework import Captures, Estimate, ImageContext, ImageGeometry, Settings, ShownBy, Stage, setting
 from tacos_plugins.effects import closed_forms
 from tacos_plugins.effects.samples import Samples
 from tacos_plugins.effects.shown_by import REPEATED_FLAT
@@ -52,10 +43,7 @@ class Denoise:
 
     class Config(Settings):
         strength: float = setting(
-            0.0,
-            help="Variance taken for noise over that found; 1 is the Wiener filter.",
-            ge=0,
-            le=10,
+            0.0, help="Variance taken for noise over that found; 1 is the Wiener filter.", ge=0, le=10
         )
 
     stage: ClassVar[Stage] = "isp"

@@ -53,20 +53,10 @@ class Dsnu:
 
     class Config(PatternSettings):
         sigma_dn: float = setting(
-            0.0,
-            help="Spread of the photosites' offsets.",
-            unit="DN",
-            averaging="photosites",
-            ge=0,
-            le=65535,
+            0.0, help="Spread of the photosites' offsets.", unit="DN", averaging="photosites", ge=0, le=65535
         )
         column_sigma_dn: float = setting(
-            0.0,
-            help="Spread of the columns' offsets.",
-            unit="DN",
-            averaging="lines",
-            ge=0,
-            le=65535,
+            0.0, help="Spread of the columns' offsets.", unit="DN", averaging="lines", ge=0, le=65535
         )
         sigma_e: float | None = physical(
             "sigma_dn", help="Spread of the photosites' offsets in electrons.", unit="e-", ge=0, le=1e6
@@ -78,10 +68,7 @@ class Dsnu:
     stage: ClassVar[Stage] = "pixel"
     rank: ClassVar[int] = 30
     neutral: ClassVar[Mapping[str, Any]] = {"sigma_dn": 0.0, "column_sigma_dn": 0.0}
-    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
-        {"sigma_dn": 1.0},
-        {"column_sigma_dn": 0.5},
-    )
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"sigma_dn": 1.0}, {"column_sigma_dn": 0.5})
     look_alikes: ClassVar[Sequence[LookAlike]] = (
         LookAlike(
             "read-noise",
@@ -90,10 +77,7 @@ class Dsnu:
             "two or more frames of one setting tell fixed patterns from noise",
         ),
     )
-    shown_by: ClassVar[Sequence[ShownBy]] = (
-        DARK,
-        REPEATED_FLAT,
-    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (DARK, REPEATED_FLAT)
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -25,10 +25,7 @@ class ExposureError:
     stage: ClassVar[Stage] = "exposure"
     rank: ClassVar[int] = 20
     neutral: ClassVar[Mapping[str, Any]] = {"scale": 1.0}
-    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
-        {"scale": 1.1},
-        {"scale": 0.9},
-    )
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"scale": 1.1}, {"scale": 0.9})
     shown_by: ClassVar[Sequence[ShownBy]] = (LEVELS,)
 
     def __init__(self, config: Config) -> None:

@@ -58,11 +58,7 @@ class FocalLengthError:
     stage: ClassVar[Stage] = "optics"
     rank: ClassVar[int] = 0
     neutral: ClassVar[Mapping[str, Any]] = {"scale": 1.0, "dx_px": 0.0, "dy_px": 0.0}
-    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
-        {"scale": 1.01},
-        {"dx_px": 2.0},
-        {"dy_px": 2.0},
-    )
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"scale": 1.01}, {"dx_px": 2.0}, {"dy_px": 2.0})
     look_alikes: ClassVar[Sequence[LookAlike]] = (
         LookAlike(
             "pose-error",

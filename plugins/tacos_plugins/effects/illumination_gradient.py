@@ -8,16 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import (
-    Captures,
-    Estimate,
-    ImageContext,
-    ImageGeometry,
-    Settings,
-    ShownBy,
-    Stage,
-    setting,
-)
+from tacos_framework import Captures, Estimate, ImageContext, ImageGeometry, Settings, ShownBy, Stage, setting
 from tacos_plugins.effects import closed_forms
 from tacos_plugins.effects.samples import Samples
 from tacos_plugins.effects.shown_by import FLAT
@@ -40,10 +31,7 @@ class IlluminationGradient:
     stage: ClassVar[Stage] = "scene"
     rank: ClassVar[int] = 10
     neutral: ClassVar[Mapping[str, Any]] = {"gx": 0.0, "gy": 0.0}
-    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
-        {"gx": 0.1},
-        {"gy": 0.1},
-    )
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"gx": 0.1}, {"gy": 0.1})
     shown_by: ClassVar[Sequence[ShownBy]] = (FLAT,)
 
     def __init__(self, config: Config) -> None:

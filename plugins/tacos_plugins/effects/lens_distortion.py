@@ -170,10 +170,7 @@ def _source(lens: BrownConrady | Lens, geometry: ImageGeometry) -> Places:
 
 
 def _source_at(
-    lens: BrownConrady | Lens,
-    x_px: NDArray[np.float64],
-    y_px: NDArray[np.float64],
-    geometry: ImageGeometry,
+    lens: BrownConrady | Lens, x_px: NDArray[np.float64], y_px: NDArray[np.float64], geometry: ImageGeometry
 ) -> Places:
     f = geometry.focal_length_px
     cx, cy = geometry.centre_px

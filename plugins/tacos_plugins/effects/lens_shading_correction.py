@@ -31,10 +31,7 @@ class LensShadingCorrection:
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 10
     neutral: ClassVar[Mapping[str, Any]] = {"k1": 0.0, "k2": 0.0}
-    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
-        {"k1": 0.3},
-        {"k2": 0.3},
-    )
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"k1": 0.3}, {"k2": 0.3})
     shown_by: ClassVar[Sequence[ShownBy]] = (FLAT,)
 
     def __init__(self, config: Config) -> None:

@@ -33,10 +33,7 @@ class Nonlinearity:
     stage: ClassVar[Stage] = "readout"
     rank: ClassVar[int] = 10
     neutral: ClassVar[Mapping[str, Any]] = {"a2": 0.0, "a3": 0.0}
-    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
-        {"a2": -0.1},
-        {"a3": -0.1},
-    )
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"a2": -0.1}, {"a3": -0.1})
     look_alikes: ClassVar[Sequence[LookAlike]] = (
         LookAlike(
             "exposure-error",

@@ -131,7 +131,6 @@ def _span_deg(angles_deg: Sequence[float]) -> float:
 
 
 def two_dark_exposures(captures: Captures) -> bool:
-    """Two exposure times with the cap on."""
     return len({capture.context.exposure_s for capture in of_kind(captures, "dark")}) > 1
 
 
@@ -154,5 +153,4 @@ def colours_or_mono(captures: Captures) -> bool:
 
 
 def known_motion(captures: Captures) -> bool:
-    """A sequence of something that moves at a known velocity."""
     return any(capture.context.velocity_px_s is not None for capture in of_kind(captures, "sequence"))

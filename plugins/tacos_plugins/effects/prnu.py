@@ -54,10 +54,7 @@ class Prnu:
             "two or more frames of one setting tell fixed patterns from noise",
         ),
     )
-    shown_by: ClassVar[Sequence[ShownBy]] = (
-        FLAT,
-        REPEATED_FLAT,
-    )
+    shown_by: ClassVar[Sequence[ShownBy]] = (FLAT, REPEATED_FLAT)
 
     def __init__(self, config: Config) -> None:
         self.config = config

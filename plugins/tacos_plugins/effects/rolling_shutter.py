@@ -40,10 +40,7 @@ class RollingShutter:
     stage: ClassVar[Stage] = "exposure"
     rank: ClassVar[int] = 0
     neutral: ClassVar[Mapping[str, Any]] = {"row_time_us": 0.0}
-    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
-        {"row_time_us": 30.0},
-        {"row_time_us": -30.0},
-    )
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"row_time_us": 30.0}, {"row_time_us": -30.0})
     look_alikes: ClassVar[Sequence[LookAlike]] = (
         LookAlike(
             "pose-error",

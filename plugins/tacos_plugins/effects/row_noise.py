@@ -34,12 +34,7 @@ class RowNoise:
 
     class Config(Settings):
         sigma_dn: float = setting(
-            0.0,
-            help="Standard deviation of the rows' offsets.",
-            unit="DN",
-            averaging="lines",
-            ge=0,
-            le=65535,
+            0.0, help="Standard deviation of the rows' offsets.", unit="DN", averaging="lines", ge=0, le=65535
         )
         column_sigma_dn: float = setting(
             0.0,
@@ -59,10 +54,7 @@ class RowNoise:
     stage: ClassVar[Stage] = "readout"
     rank: ClassVar[int] = 30
     neutral: ClassVar[Mapping[str, Any]] = {"sigma_dn": 0.0, "column_sigma_dn": 0.0}
-    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
-        {"sigma_dn": 0.5},
-        {"column_sigma_dn": 0.5},
-    )
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"sigma_dn": 0.5}, {"column_sigma_dn": 0.5})
     shown_by: ClassVar[Sequence[ShownBy]] = (DARK,)
 
     def __init__(self, config: Config) -> None:

@@ -9,16 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import (
-    Captures,
-    Estimate,
-    ImageContext,
-    ImageGeometry,
-    Settings,
-    ShownBy,
-    Stage,
-    setting,
-)
+from tacos_framework import Captures, Estimate, ImageContext, ImageGeometry, Settings, ShownBy, Stage, setting
 from tacos_plugins.effects import closed_forms
 from tacos_plugins.effects.blur import gaussian_transfer, kernel_of
 from tacos_plugins.effects.correlation import correlate

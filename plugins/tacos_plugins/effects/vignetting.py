@@ -42,11 +42,7 @@ class Vignetting:
     stage: ClassVar[Stage] = "optics"
     rank: ClassVar[int] = 60
     neutral: ClassVar[Mapping[str, Any]] = {"k1": 0.0, "k2": 0.0, "k3": 0.0}
-    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
-        {"k1": -0.2},
-        {"k2": -0.2},
-        {"k3": -0.2},
-    )
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"k1": -0.2}, {"k2": -0.2}, {"k3": -0.2})
     look_alikes: ClassVar[Sequence[LookAlike]] = (
         LookAlike(
             "illumination-gradient",

@@ -28,10 +28,7 @@ class WhiteBalance:
     rank: ClassVar[int] = 20
     of_colours: ClassVar[bool] = True
     neutral: ClassVar[Mapping[str, Any]] = {"red": 1.0, "blue": 1.0}
-    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
-        {"red": 1.1},
-        {"blue": 1.1},
-    )
+    initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"red": 1.1}, {"blue": 1.1})
     shown_by: ClassVar[Sequence[ShownBy]] = (COLOURS,)
 
     def __init__(self, config: Config) -> None:

@@ -77,7 +77,6 @@ class DataSheet:
     dark_stack: SpatialVariance | None
 
     def value(self, name: str) -> float | None:
-        """A figure's value; None where there is none."""
         return self.figures[name].value
 
 

@@ -65,7 +65,6 @@ class Pool(JobPool[WorkerProcess]):
         self._closed = False
 
     def close(self) -> None:
-        """End all workers at once."""
         self._closed = True
         atexit.unregister(self.close)
         for each in self._workers:

@@ -35,7 +35,6 @@ class PoolExecutor(ABC):
             raise
 
     def close(self) -> None:
-        """End all workers at once."""
         pool, self._pool = self._pool, None  # first let go, so that two threads may close at a time
         if pool is not None:
             pool.close()

@@ -51,11 +51,7 @@ class WorkerState:
 
 
 def serve(
-    payload: bytes,
-    channel: Connection,
-    threads: int,
-    logs: Connection,
-    levels: Mapping[str, int],
+    payload: bytes, channel: Connection, threads: int, logs: Connection, levels: Mapping[str, int]
 ) -> None:
     """Evaluate jobs until told to leave.
 

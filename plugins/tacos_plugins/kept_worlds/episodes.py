@@ -32,11 +32,7 @@ class StoredEpisodes:
         self._store = store
 
     def episode(
-        self,
-        scene: type[Any],
-        config: Settings,
-        follows_from: Mapping[str, Any],
-        make: Callable[[], Episode],
+        self, scene: type[Any], config: Settings, follows_from: Mapping[str, Any], make: Callable[[], Episode]
     ) -> Episode:
         """See `tacos_framework.contracts.EpisodeStore.episode`."""
         code = code_key(scene)

@@ -61,10 +61,7 @@ def stack_of(frames: NDArray[Any], source: str, mosaic: Mosaic = "none") -> Fram
         frames = frames[..., None]
     if frames.shape[-1] not in _COLOURS:
         raise UserError(Fault(source, f"the frames have {frames.shape[-1]} channels", "1 or 3"))
-    return FrameStack(
-        {name: [frames[..., i]] for i, name in enumerate(_COLOURS[frames.shape[-1]])},
-        source,
-    )
+    return FrameStack({name: [frames[..., i]] for i, name in enumerate(_COLOURS[frames.shape[-1]])}, source)
 
 
 def read_stack(pattern: str, mosaic: Mosaic = "none") -> FrameStack:
@@ -79,9 +76,7 @@ def read_stack(pattern: str, mosaic: Mosaic = "none") -> FrameStack:
     if not paths:
         raise UserError(
             Fault(
-                pattern,
-                "there are no frames here",
-                "a folder or a glob of PNG, TIFF, npy, PGM or RAW files",
+                pattern, "there are no frames here", "a folder or a glob of PNG, TIFF, npy, PGM or RAW files"
             )
         )
     images: list[NDArray[Any]] = []

@@ -11,12 +11,7 @@ from tacos_framework import Fault, UserError
 from tacos_plugins.noise_calibration.figure import Cloud
 from tacos_plugins.noise_calibration.frame_files import FrameStack
 from tacos_plugins.noise_calibration.levels import REACH_PX, Levels, measure_levels
-from tacos_plugins.noise_calibration.photon_transfer import (
-    CLIPPED_SHARE,
-    FINEST_DN2,
-    AffineFit,
-    fit_affine,
-)
+from tacos_plugins.noise_calibration.photon_transfer import CLIPPED_SHARE, FINEST_DN2, AffineFit, fit_affine
 
 FEW_FRAMES = 5
 MOVING_EXCESS = 1.5

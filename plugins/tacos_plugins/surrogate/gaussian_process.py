@@ -8,13 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_plugins.surrogate.kernel import (
-    Hyperparameters,
-    drifted,
-    matern,
-    same_episode,
-    scaled_distances,
-)
+from tacos_plugins.surrogate.kernel import Hyperparameters, drifted, matern, same_episode, scaled_distances
 
 Array = NDArray[np.float64]
 

@@ -46,10 +46,7 @@ class ObstacleVisibility:
 
     class Config(Settings):
         min_pixels: int = setting(
-            1,
-            help="For seen_ratio, photosites an obstacle must cover to be seen.",
-            unit="px",
-            ge=1,
+            1, help="For seen_ratio, photosites an obstacle must cover to be seen.", unit="px", ge=1
         )
         before_s: float | None = setting(
             None,

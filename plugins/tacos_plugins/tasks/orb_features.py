@@ -95,16 +95,10 @@ class OrbFeatures:
         levels: int = setting(8, help="Pyramid levels.", ge=1, le=32)
         patch_px: int = setting(31, help="Size of the patch described.", unit="px", ge=5)
         border_px: int | None = setting(
-            None,
-            help="Border without keypoints; by default as wide as the patch.",
-            unit="px",
-            ge=1,
+            None, help="Border without keypoints; by default as wide as the patch.", unit="px", ge=1
         )
         ransac_threshold_px: float = setting(
-            3.0,
-            help="Distance from its epipolar line at which a match is still an inlier.",
-            unit="px",
-            gt=0,
+            3.0, help="Distance from its epipolar line at which a match is still an inlier.", unit="px", gt=0
         )
         scale_with_binning: tuple[Scaled, ...] = setting(
             ("features", "border_px"),

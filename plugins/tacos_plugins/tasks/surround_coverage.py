@@ -42,10 +42,7 @@ class SurroundCoverage:
             ge=0,
         )
         within_m: float = setting(
-            6.0,
-            help="For things_seen, the farthest pixels that count, by depth.",
-            unit="m",
-            gt=0,
+            6.0, help="For things_seen, the farthest pixels that count, by depth.", unit="m", gt=0
         )
         enough_pixels: int = setting(
             2000, help="For things_seen, photosites with which a thing counts in full.", unit="px", ge=1

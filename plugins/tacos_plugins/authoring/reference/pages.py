@@ -34,12 +34,7 @@ NOTICE = "<!-- Written by `make docs` from the code; changes here are lost. -->"
 MUST_BE_GIVEN = "must be given"
 _TOO_LONG = "see below"
 _LONGEST_DEFAULT = 60  # characters; the defaults of a longer mapping stand in a table of its own
-_BOUNDS = {
-    "exclusiveMinimum": "> {}",
-    "minimum": "≥ {}",
-    "exclusiveMaximum": "< {}",
-    "maximum": "≤ {}",
-}
+_BOUNDS = {"exclusiveMinimum": "> {}", "minimum": "≥ {}", "exclusiveMaximum": "< {}", "maximum": "≤ {}"}
 
 
 def type_of(schema: Schema) -> str:

@@ -69,7 +69,6 @@ class ActorPool(JobPool[_Member]):
         self._closed = False
 
     def close(self) -> None:
-        """End all workers at once."""
         self._closed = True
         for each in self._workers:
             self._ray.kill(each.actor)

@@ -150,11 +150,7 @@ def _split_vertices(
 
 
 def _light_vertices(
-    world: World,
-    mesh: FlatMesh,
-    frames: NDArray[np.float32],
-    lit: NDArray[np.bool_],
-    tracer: RayTracer,
+    world: World, mesh: FlatMesh, frames: NDArray[np.float32], lit: NDArray[np.bool_], tracer: RayTracer
 ) -> SurfaceLight:
     """Light at the vertices in `lit`; zero at the others."""
     who = np.flatnonzero(lit)

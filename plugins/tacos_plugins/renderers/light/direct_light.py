@@ -39,10 +39,7 @@ class LightAtPoints:
 
 
 def direct_light(
-    lights: Sequence[Light],
-    point_m: NDArray[np.float32],
-    normal: NDArray[np.float32],
-    tracer: RayTracer,
+    lights: Sequence[Light], point_m: NDArray[np.float32], normal: NDArray[np.float32], tracer: RayTracer
 ) -> LightAtPoints:
     """Direct irradiance at points of surfaces.
 

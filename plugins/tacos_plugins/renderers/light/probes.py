@@ -45,7 +45,6 @@ class Probe:
 
 
 def face_camera(edge_px: int = FACE_PX) -> Camera:
-    """A square camera of 90 degrees."""
     return Camera("probe", edge_px, edge_px, pixel_um=1.0, focal_length_mm=edge_px / 2 * 1e-3)
 
 

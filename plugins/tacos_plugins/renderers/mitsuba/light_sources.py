@@ -15,7 +15,6 @@ from tacos_plugins.renderers.mitsuba.materials import Description
 
 
 def light_shape(mitsuba: ModuleType, light: Light) -> Description:
-    """A black surface that sends out a light's flux."""
     black = {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0.0, 0.0, 0.0]}}
     if light.normal is None:
         area_m2 = 4 * math.pi * light.radius_m**2

@@ -95,12 +95,7 @@ class MitsubaRenderer:
         return self._kept[1]
 
     def _view(
-        self,
-        mitsuba: ModuleType,
-        episode: Episode,
-        camera: Camera,
-        number: int,
-        exposure: Exposure,
+        self, mitsuba: ModuleType, episode: Episode, camera: Camera, number: int, exposure: Exposure
     ) -> View:
         config = self._config
         poses = world_from_camera(episode.trajectory.at(episode.time_s), camera.agent_from_camera)

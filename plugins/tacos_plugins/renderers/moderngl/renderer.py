@@ -14,11 +14,7 @@ from tacos_plugins.renderers.moderngl.culling import looked_up
 from tacos_plugins.renderers.moderngl.device import Device, device
 from tacos_plugins.renderers.moderngl.painter import Painter
 from tacos_plugins.renderers.moderngl.panorama import cube_camera
-from tacos_plugins.renderers.moderngl.rendered_views import (
-    Multisampling,
-    Photographer,
-    RenderedView,
-)
+from tacos_plugins.renderers.moderngl.rendered_views import Multisampling, Photographer, RenderedView
 from tacos_plugins.renderers.moderngl.resample import Resampling
 
 Number = TypeVar("Number", np.float32, np.int32)

@@ -11,13 +11,7 @@ from numpy.typing import NDArray
 from tacos_framework import Camera
 from tacos_plugins.renderers.light.probes import face_rotations
 from tacos_plugins.renderers.moderngl.painter import Painter
-from tacos_plugins.renderers.moderngl.panorama import (
-    LEVELS,
-    MARGIN_PX,
-    Face,
-    FaceStore,
-    face_of,
-)
+from tacos_plugins.renderers.moderngl.panorama import LEVELS, MARGIN_PX, Face, FaceStore, face_of
 from tacos_plugins.renderers.moderngl.rendered_views import Photographer, RenderedView
 
 _SAME_PLANE = np.float32(

@@ -135,10 +135,7 @@ def _find_differences(
 
 @compiled
 def _find_sources(
-    seen: NDArray[np.float32],
-    pixel: NDArray[np.int32],
-    wanted: NDArray[np.int32],
-    source: NDArray[np.int32],
+    seen: NDArray[np.float32], pixel: NDArray[np.int32], wanted: NDArray[np.int32], source: NDArray[np.int32]
 ) -> None:
     """Fill in the nearest pixel whose centre sees what each place around one sees; itself if none does."""
     width = seen.shape[1]

@@ -82,9 +82,7 @@ def at_centres(
 
 @compiled
 def farthest_behind(
-    inverse_depth: NDArray[np.float32],
-    window_of_inverse: tuple[float, float],
-    behind: NDArray[np.float32],
+    inverse_depth: NDArray[np.float32], window_of_inverse: tuple[float, float], behind: NDArray[np.float32]
 ) -> None:
     """A depth buffer that hides from OpenGL what no pixel sees.
 

@@ -30,18 +30,7 @@ from tacos_plugins.tasks.learning.device import (
 from tacos_plugins.tasks.learning.guard import halving_batch_once, naming_lack_of_memory
 from tacos_plugins.tasks.learning.states import fresh_state, restore, state_of
 
-INDOOR_CLASSES = (
-    "sofa",
-    "bed",
-    "table",
-    "chair",
-    "bathtub",
-    "basin",
-    "computer_tv",
-    "plant",
-    "lamp",
-    "toy",
-)
+INDOOR_CLASSES = ("sofa", "bed", "table", "chair", "bathtub", "basin", "computer_tv", "plant", "lamp", "toy")
 """The classes of the paper's headset study."""
 
 FRAMES_AT_ONCE = {"cpu": 1, "cuda": 8}
@@ -103,8 +92,7 @@ class FasterRcnn:
             None, help="Most long side of the network's image; by default the camera's own.", unit="px", ge=1
         )
         encoding: Literal["srgb", "linear"] = setting(
-            "srgb",
-            help="Whether the network sees light as a display encodes it (srgb) or as it is counted.",
+            "srgb", help="Whether the network sees light as a display encodes it (srgb) or as it is counted."
         )
         proposals: int = setting(200, help="Regions the first stage proposes.", ge=1)
         rois: int = setting(64, help="Regions of an image either stage is trained on.", ge=4)
@@ -129,7 +117,7 @@ class FasterRcnn:
     margins: ClassVar[Mapping[str, float]] = dict.fromkeys(scores, 0.02)
     """Two points of average precision, a little more than its standard error over sixteen worlds."""
     score_meanings: ClassVar[Mapping[str, str]] = {
-        "ap50": "average precision of detection, a box counting from an overlap of 50 %",
+        "ap50": "average precision of detection, a box counting from an overlap of 50 %"
     }
 
     def __init__(self, config: Config) -> None:

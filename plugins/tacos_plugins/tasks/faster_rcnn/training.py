@@ -39,9 +39,7 @@ class DetectorTraining(Settings):
         0.05, help="Share of the first learning rate it never falls below.", ge=0, le=1
     )
     warm_up_steps: int = setting(
-        0,
-        help="Steps of Adam over which the rate rises at first: from nothing, full steps kill units.",
-        ge=0,
+        0, help="Steps of Adam over which the rate rises at first: from nothing, full steps kill units.", ge=0
     )
     gradient_limit: float | None = setting(
         None, help="Norm of the gradient above which it is scaled down; by default any.", gt=0

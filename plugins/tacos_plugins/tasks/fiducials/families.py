@@ -19,7 +19,6 @@ Family = Literal["apriltag_36h11", "apriltag_16h5", "aruco_4x4_50", "aruco_5x5_1
 
 
 def dictionary_of(family: str) -> cv2.aruco.Dictionary:
-    """OpenCV's dictionary of a family."""
     name = f"DICT_{family.removeprefix('aruco_').upper()}"
     return cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
 
@@ -43,7 +42,6 @@ class Tag:
 
     @property
     def edge_m(self) -> float:
-        """Edge of the black border [m]."""
         return float(np.linalg.norm(self.corners_m[1] - self.corners_m[0]))
 
 

@@ -8,16 +8,7 @@ from typing import ClassVar, Literal
 import cv2
 import numpy as np
 
-from tacos_framework import (
-    Fault,
-    FrameBatch,
-    Scores,
-    ScoreScale,
-    Settings,
-    State,
-    UserError,
-    setting,
-)
+from tacos_framework import Fault, FrameBatch, Scores, ScoreScale, Settings, State, UserError, setting
 from tacos_plugins.tasks.chosen_camera import camera_index
 from tacos_plugins.tasks.fiducials.families import dictionary_of, tags_of
 from tacos_plugins.tasks.fiducials.sightings import Sighting, detected, in_sight, off_m, scores_of

@@ -13,11 +13,7 @@ MEAN, DEVIATION = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
 
 
 def network_image(
-    image_dn: NDArray[Any],
-    device: torch.device,
-    *,
-    black_level_dn: float,
-    white_level_dn: float,
+    image_dn: NDArray[Any], device: torch.device, *, black_level_dn: float, white_level_dn: float
 ) -> Tensor:
     """A frame in colours of 0..1, on a device; a copy to a GPU goes on while the caller does.
 

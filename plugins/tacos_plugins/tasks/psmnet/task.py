@@ -68,8 +68,7 @@ class PsmnetDepth:
             1000.0, help="Depths are capped here; what lies beyond is sky.", unit="m", gt=0
         )
         encoding: Literal["srgb", "linear"] = setting(
-            "srgb",
-            help="Whether the network sees light as a display encodes it, or as the sensor counts it.",
+            "srgb", help="Whether the network sees light as a display encodes it, or as the sensor counts it."
         )
         align_corners: bool = setting(
             True, help="How volumes are enlarged; the authors advise true for their published weights."

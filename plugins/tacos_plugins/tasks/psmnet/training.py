@@ -145,10 +145,7 @@ def _windows(
 
 
 def _step(
-    network: PSMNet,
-    adam: torch.optim.Adam,
-    batch: Sequence[StereoExample],
-    truth_px: NDArray[np.float32],
+    network: PSMNet, adam: torch.optim.Adam, batch: Sequence[StereoExample], truth_px: NDArray[np.float32]
 ) -> Tensor:
     """One step of Adam; returns the loss before it."""
     device = next(network.parameters()).device

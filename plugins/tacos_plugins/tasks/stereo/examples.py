@@ -34,10 +34,7 @@ class StereoExample:
         x = int(rng.integers(max(width - width_px, 0) + 1))
         window = np.s_[y : y + height_px, x : x + width_px]
         return replace(
-            self,
-            left_dn=self.left_dn[window],
-            right_dn=self.right_dn[window],
-            depth_m=self.depth_m[window],
+            self, left_dn=self.left_dn[window], right_dn=self.right_dn[window], depth_m=self.depth_m[window]
         )
 
     def disparity_px(self, *, max_depth_m: float, sky: bool) -> NDArray[np.float32]:

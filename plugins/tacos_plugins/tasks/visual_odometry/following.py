@@ -68,12 +68,7 @@ class PatchFollower:
         self, first: NDArray[np.uint8], second: NDArray[np.uint8], points_px: NDArray[np.float32]
     ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
         there, found, _ = cv2.calcOpticalFlowPyrLK(  # type: ignore[call-overload] # None starts at the points
-            first,
-            second,
-            points_px,
-            None,
-            winSize=(self.window_px, self.window_px),
-            maxLevel=self.levels,
+            first, second, points_px, None, winSize=(self.window_px, self.window_px), maxLevel=self.levels
         )
         return np.asarray(there), found.ravel() > 0
 
