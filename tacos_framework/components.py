@@ -54,8 +54,8 @@ class Component:
     ``"module=package-to-install"``.
     """
     default_for: tuple[str, ...] = ()
-    """What is not named it stands for: ``"executor"`` where a recipe names none, ``"workers"`` for
-    ``--workers N``.
+    """Things it stands for where they are not named: ``"executor"`` where a recipe names none, ``"workers"``
+    for ``--workers N``.
     """
     contract: int = CONTRACT_VERSION
 
@@ -92,7 +92,7 @@ class Command:
     """A command of ``tacos`` that a plugin offers."""
 
     name: str
-    """What the user types after ``tacos``."""
+    """The word after ``tacos``."""
     help: str
     """One sentence for ``tacos --help``."""
     add_arguments: Callable[[ArgumentParser], None]

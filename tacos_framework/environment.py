@@ -19,7 +19,7 @@ class EnvironmentFinding:
     """One thing ``tacos doctor`` reports."""
 
     name: str
-    """What was looked at, e.g. ``OpenGL``."""
+    """Subject of the finding, e.g. ``OpenGL``."""
     value: str
     ok: bool = True
     remedy: str = ""
@@ -30,7 +30,7 @@ class Gpu:
     """A GPU of this machine."""
 
     number: int
-    """What ``--device`` calls it."""
+    """Its name for ``--device``."""
     name: str
 
 

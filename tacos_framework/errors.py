@@ -30,11 +30,11 @@ class Fault:
     where: str
     """File, line and column (``recipe.yaml:12:3``), or the name of what is at fault."""
     what: str
-    """What was found there, with its value."""
+    """Description of the find, with its value."""
     expected: str = ""
-    """What would have been right, or ``""`` where `what` says it already."""
+    """The right value, or ``""`` where `what` says it already."""
     remedy: str = ""
-    """What to do about it, as an imperative sentence, or ``""``."""
+    """The remedy, as an imperative sentence, or ``""``."""
 
     def __str__(self) -> str:
         lines = [f"{self.where}: {self.what}"]

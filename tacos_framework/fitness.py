@@ -45,7 +45,7 @@ class Fitness:
     scenarios: tuple[tuple[str, float], ...] = ()
     """Name and weight of each scenario, where there are several."""
     over: Literal["mean", "worst"] = "mean"
-    """Whether the weighted mean of the scenarios counts, or the worst of them."""
+    """The weighted mean of the scenarios, or the worst of them."""
 
     def __post_init__(self) -> None:
         names = [term.score for term in self.terms]

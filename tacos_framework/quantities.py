@@ -57,7 +57,7 @@ class Constraint:
     any_of: tuple[str, ...] = ()
     """Allowed words. A text that lists several (``"C, CS"``) is each of them."""
     unknown: Literal["allow", "refuse"] = "allow"
-    """Whether a candidate whose quantity nobody states is allowed."""
+    """Treatment of a candidate whose quantity is not stated."""
     because: str = ""
     """Why the constraint is there, where no recipe says it."""
 
@@ -103,4 +103,4 @@ class Objective:
     """The quantity, as :func:`quantity` takes it; ``fitness`` for the weighted sum of scores."""
     unit: str
     aim: Literal["max", "min"]
-    """Whether much or little of it is wanted."""
+    """Direction: much or little of it."""

@@ -1,4 +1,4 @@
-"""Which device computes and renders: one choice for networks and pictures (`tacos-run --device`)."""
+"""The device that computes and renders: one choice for networks and pictures (`tacos-run --device`)."""
 
 from __future__ import annotations
 

@@ -266,7 +266,7 @@ FAMILIES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
 """Kind -> name -> module and class within the family's folder, summary, and packages it needs."""
 
 DEFAULT_FOR = {"executor.local": ("executor",), "executor.process": ("workers",)}
-"""What is not named in a recipe or on the command line -> the component that stands for it."""
+"""Thing not named in a recipe or on the command line -> the component that stands for it."""
 
 
 @hookimpl
@@ -315,7 +315,7 @@ def tacos_episode_stores() -> list[Any]:
 
 @hookimpl
 def tacos_doctor() -> list[EnvironmentFinding]:
-    """What renders here, and what networks run on: a GPU, the CPU, or nothing."""
+    """Renderer and device of networks here: a GPU, the CPU, or nothing."""
     return [_opengl(), _torch()]
 
 

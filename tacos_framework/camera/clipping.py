@@ -1,4 +1,4 @@
-"""How much of frames is lost to light: too much of it, or too little."""
+"""Shares of frames lost to too much light, or too little."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Exposed(NamedTuple):
 
     @property
     def doubt(self) -> str:
-        """What to change, in a sentence; nothing where frames are well exposed."""
+        """Advice in a sentence; nothing where frames are well exposed."""
         said = []
         if self.saturated > _MOST_SATURATED:
             said.append(

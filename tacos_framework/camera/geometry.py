@@ -90,7 +90,7 @@ def invert_pose(pose: NDArray[np.float64]) -> NDArray[np.float64]:
 def project(
     points_m: ArrayLike, camera: Camera, world_from_camera: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Where points of the world fall in the image of a camera.
+    """Places of points of the world in the image of a camera.
 
     `points_m`: (..., 3) points in the world [m]. `world_from_camera`: (4, 4) its pose [m].
 
@@ -120,7 +120,7 @@ def depth_of(points_m: NDArray[np.float64], camera: Projecting) -> NDArray[np.fl
 
 
 def pixel_rays(camera: Camera) -> NDArray[np.float64]:
-    """What pixel centres see at a depth of 1, in the camera frame.
+    """Points that pixel centres see at a depth of 1, in the camera frame.
 
     A point at depth Z of a pixel (`View.depth_m`) is ``Z * ray`` [m]: rays of rectilinear cameras are scaled
     to z = 1, those of others have unit length.

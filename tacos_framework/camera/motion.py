@@ -1,4 +1,4 @@
-"""How the image moves when the camera does."""
+"""Motion of the image when the camera moves."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def reprojected(
     geometry: ImageGeometry,
     other_from_camera: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Where another camera of the same kind sees what this one sees.
+    """Places at which another camera of the same kind sees the things this one sees.
 
     - `x_px`, `y_px`: places in the image of this camera [px].
     - `inverse_depth`: one over the depth of what is seen there [1/m].
@@ -87,7 +87,7 @@ def _reprojected_by_rays(
 
 @dataclass(frozen=True, eq=False)
 class FrameMotion:
-    """How what one frame shows moves over the image about its moment: by the agent's way, and by its own."""
+    """Motion over the image of the things in one frame: by the agent's way, and by their own."""
 
     geometry: ImageGeometry
     time_s: float
@@ -117,7 +117,7 @@ class FrameMotion:
         after_s: NDArray[np.floating],
         object_id: int = 0,
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Where the frame shows what lies at a pixel some time later, and how far it is by then.
+        """Place in the frame of the thing that lies at a pixel some time later, and its depth by then.
 
         - `x_px`, `y_px`: places in the image at that time [px].
         - `inverse_depth`: one over its depth in the frame [1/m].
@@ -154,7 +154,7 @@ class FrameMotion:
 
 
 def image_velocity(view: View, episode: Episode) -> NDArray[np.float32]:
-    """How fast what each pixel shows moves over the image, from the agent's motion and the depth.
+    """Velocity over the image of the thing at each pixel, from the agent's motion and the depth.
 
     Only the camera moves: worlds stand still.
 

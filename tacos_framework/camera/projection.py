@@ -17,7 +17,7 @@ _ROUNDING = 1e-9
 
 
 class Projecting(Protocol):
-    """What the pair needs of a `Camera`, or of an `ImageGeometry`."""
+    """Members that the pair needs of a `Camera`, or of an `ImageGeometry`."""
 
     @property
     def lens(self) -> Lens:
@@ -67,7 +67,7 @@ def rays_of_pixels(pixels_px: ArrayLike, camera: Projecting) -> NDArray[np.float
 
 
 def pixels_of_rays(rays: ArrayLike, camera: Projecting) -> NDArray[np.float64]:
-    """Where directions are imaged; undoes `rays_of_pixels`.
+    """Pixels of directions; undoes `rays_of_pixels`.
 
     `rays`: (..., 3) directions in the camera frame, of any length above 0.
 

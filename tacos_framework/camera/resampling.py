@@ -21,7 +21,7 @@ ORDER: Final = 5
 where a cubic one keeps 84 %."""
 
 _AROUND_PX: Final = 12
-"""How far the edge is repeated around an image: the pole of the spline, .43, to this power is nothing."""
+"""Width of the edge repeated around an image: the pole of the spline, .43, to this power is nothing."""
 
 LOOPS: Final = "tacos_loops"
 """Group of entry points by which a plugin offers a faster way to compute the same numbers."""
@@ -109,7 +109,8 @@ def evaluate(
 
 
 def composed(first: Places, then: Places) -> Places:
-    """Where a picture that was moved twice looks in the first one: light that is moved at once is read once.
+    """Places at which a picture that was moved twice looks in the first one: light that is moved at once is
+    read once.
 
     `first`: (H, W) or (N, H, W) where the picture in between looks [px]. `then`: likewise where the last
     picture looks in the one in between [px].

@@ -19,7 +19,7 @@ LENGTH_UNITS = ("px", "row")
 def image_units_per(
     physical_unit: str, image_unit: str, *, geometry: ImageGeometry, context: ImageContext
 ) -> float | None:
-    """How many photosites or digital numbers a physical unit comes to in an image.
+    """Photosites or digital numbers of an image per physical unit.
 
     `physical_unit`: ``um``, ``deg/s``, ``e-``, ``e-/s`` or ``of full scale``. `image_unit`: ``px``, ``DN`` or
     ``DN/s``.
@@ -49,7 +49,7 @@ def image_units_per(
 
 
 def binned(unit: str, averaging: str | None, binning: float) -> float:
-    """What averaging b x b photosites into a pixel does to a number of that unit: the factor on it [1].
+    """Factor on a number of that unit by averaging b x b photosites into a pixel [1].
 
     Examples
     --------

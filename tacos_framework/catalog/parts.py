@@ -10,7 +10,7 @@ from tacos_framework.errors import did_you_mean
 from tacos_framework.values.catalog_part import CatalogPart
 
 Scheme = Literal["quantized", "discrete"]
-"""How optimizers see the rows of a catalog (paper, Sec. 3.3)."""
+"""Encoding of the rows of a catalog for optimizers (paper, Sec. 3.3)."""
 
 
 @dataclass(frozen=True)
@@ -34,17 +34,17 @@ class Catalog:
     """Parts of one kind to choose from."""
 
     name: str
-    """What recipes call it."""
+    """The name in recipes."""
     title: str
     columns: tuple[CatalogColumn, ...]
     rows: tuple[CatalogPart, ...]
     """The parts, in the order of the file."""
     source: str
-    """Where the catalog as a whole comes from."""
+    """Source of the catalog as a whole."""
     design_columns: tuple[str, ...]
     """The numeric columns that span the space a design moves in, unless the recipe says otherwise."""
     scheme: Scheme = "quantized"
-    """How optimizers see its rows, unless the recipe says otherwise (`CatalogChoice`)."""
+    """Encoding of its rows for optimizers, unless the recipe says otherwise (`CatalogChoice`)."""
     rigs: Mapping[str, str] = field(default_factory=dict, compare=False)
     """Of a catalog of whole cameras, the rig that takes each kind of them."""
 

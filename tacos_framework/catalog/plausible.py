@@ -48,7 +48,7 @@ def implausible(values: Mapping[str, Value]) -> Iterator[str]:
 
 
 def _clash_with_format(diagonal_mm: float, optical_format: Value) -> Iterator[str]:
-    """Whether pixels and pitch make a sensor of that optical format."""
+    """The clash of pixels and pitch with an optical format."""
     found = _FORMAT.match(optical_format) if isinstance(optical_format, str) else None
     if found is None:
         return
@@ -62,7 +62,7 @@ def _clash_with_format(diagonal_mm: float, optical_format: Value) -> Iterator[st
 
 
 def _clash_with_field(width_mm: float, focal_length_mm: Value, hfov_deg: Value) -> Iterator[str]:
-    """Whether a lens of that focal length shows that field of view, be it rectilinear or a fisheye."""
+    """The clash of a focal length with a field of view, of a rectilinear lens or a fisheye."""
     if not isinstance(focal_length_mm, float) or not isinstance(hfov_deg, float) or focal_length_mm <= 0:
         return
     ratio = width_mm / (2 * focal_length_mm)

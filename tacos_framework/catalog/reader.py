@@ -20,7 +20,7 @@ from tacos_framework.settings.yaml_reader import read_yaml
 from tacos_framework.values.catalog_part import CatalogPart, Grade
 
 SIZES = ("width_mm", "height_mm", "pixel_um")
-"""What spans the space of image sensors (paper, Sec. 4.3): width, height and pixel pitch."""
+"""Columns that span the space of image sensors (paper, Sec. 4.3): width, height and pixel pitch."""
 
 CAMERAS = "cameras"
 """The catalog of whole cameras: its name, and the key of those that fix variables of a rig."""

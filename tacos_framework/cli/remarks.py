@@ -46,7 +46,7 @@ def remarks(plan: Plan, *, verbose: bool) -> Iterator[str]:
 
 
 def notes_on_shown(plan: Plan) -> Iterator[str]:
-    """What a recording answers for; nothing is loaded where no scene can be asked."""
+    """Notes on recordings; nothing is loaded where no scene can be asked."""
     scenes = [plan.nodes[name] for name in plan.graph.of_kind("scene")]
     if any(callable(optional(scene.cls, SceneBase, "not_shown")) for scene in scenes):
         from tacos_framework import simulation

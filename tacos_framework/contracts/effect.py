@@ -14,7 +14,7 @@ from tacos_framework.settings import Settings
 from tacos_framework.values import ImageContext, ImageGeometry
 
 Stage = Literal["scene", "optics", "exposure", "pixel", "readout", "isp", "codec"]
-"""Where in image formation an effect acts; the noise lies between pixel and readout."""
+"""Place of an effect in image formation; the noise lies between pixel and readout."""
 
 STAGES: tuple[Stage, ...] = get_args(Stage)
 """The stages in the order of image formation."""
@@ -97,7 +97,7 @@ class EffectBase:
     """Factor on the variance of the photon noise, for an effect that changes the noise and not the
     signal."""
     source: Callable[..., Any] | None = None
-    """Where pixels look in the image without the effect; see `Effect`."""
+    """Places at which pixels look in the image without the effect; see `Effect`."""
     source_at: Callable[..., Any] | None = None
     """The same for any points."""
     moved_inverse_depth: Callable[..., Any] | None = None
@@ -150,7 +150,7 @@ def acts_after_noise(effect: type[Any]) -> bool:
 
 
 def formation_order(effect: type[Any]) -> tuple[int, bool, int]:
-    """Where an effect class stands in image formation: sort effects by it, and each acts at its place.
+    """Key of an effect class in image formation: sort effects by it, and each acts at its place.
 
     Whatever order a recipe or a diagnosis lists effects in, white balance then comes before the tone curve.
     """

@@ -1,4 +1,4 @@
-"""Where evaluations run."""
+"""Contract of what evaluations run in."""
 
 from __future__ import annotations
 
@@ -51,4 +51,4 @@ class ExecutorBase:
     """Optional members of a `JobRunner`, with their defaults."""
 
     workers: int = 1
-    """How many jobs it runs at a time."""
+    """Number of jobs it runs at a time."""

@@ -14,7 +14,7 @@ from tacos_framework.values import ImageContext, ImageGeometry
 
 @dataclass(frozen=True)
 class FileCoding:
-    """How lossy files were coded, as they say themselves.
+    """Coding of lossy files, as they state it.
 
     Parameters
     ----------
@@ -56,11 +56,11 @@ class ObservedCapture(Protocol):
 
     @property
     def geometry(self) -> ImageGeometry:
-        """Where the pixels lie."""
+        """Geometry of the pixels."""
 
     @property
     def context(self) -> ImageContext:
-        """What else is known."""
+        """Circumstances of the picture."""
 
     @property
     def frames(self) -> int:
@@ -76,7 +76,7 @@ class ObservedCapture(Protocol):
 
     @property
     def coding(self) -> FileCoding | None:
-        """How its files were coded; None where they are not lossy, or do not say."""
+        """Coding of its files; None where they are not lossy, or do not say."""
 
     @property
     def edge_angle_deg(self) -> float | None:
@@ -138,7 +138,7 @@ SURE = 3.0
 
 @dataclass(frozen=True)
 class Estimate:
-    """What captures tell of a parameter of an effect by arithmetic alone.
+    """A closed-form estimate of a parameter of an effect from captures.
 
     Parameters
     ----------

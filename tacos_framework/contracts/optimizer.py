@@ -10,12 +10,12 @@ from tacos_framework.settings import Settings
 from tacos_framework.values import Candidate
 
 ScoreScale = Literal["real", "count", "share"]
-"""What kind of number a score is: any, 0 or more, or between 0 and 1."""
+"""Kind of number of a score: any, 0 or more, or between 0 and 1."""
 
 
 @dataclass(frozen=True)
 class DesignProblem:
-    """What an optimizer is told of the problem beside its design space.
+    """The problem of an optimizer beside its design space.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ class Asked:
 
 @dataclass(frozen=True)
 class Evaluated:
-    """What came out for a candidate.
+    """The result of a candidate.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ class Optimizer(Protocol):
 
     @property
     def expected_candidates(self) -> int | None:
-        """How many candidates it will ask for in all, for progress bars; None when it cannot tell."""
+        """Number of candidates it will ask for in all, for progress bars; None when it cannot tell."""
         ...
 
     def ask(self) -> list[Candidate] | list[Asked]:

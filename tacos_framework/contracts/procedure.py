@@ -1,4 +1,4 @@
-"""What a recipe may run that is no study."""
+"""Contract of procedures: recipes that are no study."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from tacos_framework.settings import Settings
 
 
 class Procedure(Protocol):
-    """What a recipe may run that is not a study: a calibration, a validation, a comparison, a diagnosis.
+    """A recipe's work that is not a study: a calibration, a validation, a comparison, a diagnosis.
 
     Its recipe has ``use: procedure.NAME`` at the top, and the settings of its ``Config`` beside it. Of the
     keywords of `run` a procedure asks for those it needs; one that asks for `resume` can go on where a

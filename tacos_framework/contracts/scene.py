@@ -31,10 +31,10 @@ class SceneBase:
     """Optional members of a `Scene`, with their defaults."""
 
     carrier: ClassVar[str] = ""
-    """What carries the cameras through the world, in a word: ``person``, ``car``, ... Reports draw it."""
+    """Carrier of the cameras through the world, in a word: ``person``, ``car``, ... Reports draw it."""
 
     moves: str = ""
-    """How the cameras move through its world, as in "1 m/s, shaken as on a head". Reports say it."""
+    """Motion of the cameras through its world, as in "1 m/s, shaken as on a head". Reports say it."""
 
     one_world: ClassVar[bool] = False
     """True if every episode is a trip through the same world, so that unseen scenes are other trips only."""
@@ -59,5 +59,7 @@ class EpisodeStore(Protocol):
     def episode(
         self, scene: type[Any], config: Settings, follows_from: Mapping[str, Any], make: Callable[[], Episode]
     ) -> Episode:
-        """What `make` gives, or has given for the same scene class, settings and plain data to start from."""
+        """The episode of `make`, or one it has made for the same scene class, settings and plain data to
+        start from.
+        """
         ...

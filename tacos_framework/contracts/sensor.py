@@ -80,7 +80,7 @@ class Sensor(Protocol):
         ...
 
     def dn_per_electron(self, camera: Camera, exposure: Exposure) -> float | None:
-        """What one electron of a photosite adds to a sample: the system gain K; None if unknown [DN/e-]."""
+        """System gain K: samples per electron of a photosite; None if unknown [DN/e-]."""
         ...
 
 
@@ -88,7 +88,7 @@ class SensorBase:
     """Optional members of a `Sensor`, with their defaults."""
 
     lacks: Callable[[Rig], str | None] | None = None
-    """What the sensor would have to know of a rig's cameras and does not, in a sentence. A recipe none of
+    """Unknown figures of a rig's cameras that the sensor needs, in a sentence. A recipe none of
     whose cameras it can serve is refused with it; a candidate it cannot serve fails."""
 
     origins: Callable[[Camera], Mapping[str, str]] | None = None

@@ -17,12 +17,12 @@ Scores = Mapping[str, float]
 """Named numbers of one episode. A score without meaning there (no obstacle on the path) is left out."""
 
 State = Mapping[str, NDArray[Any]]
-"""What a trainable task has learnt: named arrays, so that it can be kept without pickle."""
+"""State of a trainable task: named arrays, so that it can be kept without pickle."""
 
 
 @dataclass(frozen=True)
 class Budget:
-    """How much to train: passes over the batches, and settings of the recipe's ``train:``.
+    """Extent of a training: passes over the batches, and settings of the recipe's ``train:``.
 
     Where ``on_step`` is given, a task calls it with the losses of each step, by name.
     """
@@ -100,9 +100,9 @@ class TaskBase:
     lower_is_better: ClassVar[Collection[str]] = frozenset()
     """Those of the scores that are errors, of which reports call the smallest best."""
     score_meanings: ClassVar[Mapping[str, str]] = {}
-    """What a score says, in a few words, where its name does not tell those who read a report."""
+    """Meaning of a score in a few words, where its name does not tell those who read a report."""
     score_scales: ClassVar[Mapping[str, ScoreScale]] = {}
-    """Which of the scores are counts, and which are shares between 0 and 1; the others may be any
+    """The scores that are counts, and those that are shares between 0 and 1; the others may be any
     number."""
     margins: ClassVar[Mapping[str, float]] = {}
     """Differences of a score that do not matter on the job, in its unit. A study calls cameras equal by

@@ -33,7 +33,7 @@ class SensorAt:
 
     @cached_property
     def context(self) -> ImageContext:
-        """What samples and files of this sensor are."""
+        """Circumstances of samples and files of this sensor."""
         return ImageContext(
             exposure_s=self.exposure.time_s,
             gain_db=self.exposure.gain_db,
@@ -156,7 +156,7 @@ def digital(samples_dn: NDArray[np.floating], white_level_dn: float) -> Samples:
 
 
 def file_type(white_level_dn: float) -> type[np.unsignedinteger]:
-    """What files hold their values in: uint8 where 255 is enough for the white level, else uint16."""
+    """Data type of files: uint8 where 255 is enough for the white level, else uint16."""
     return np.uint8 if white_level_dn <= 255 else np.uint16
 
 

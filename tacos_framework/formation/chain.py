@@ -59,7 +59,7 @@ class ActingEffect:
             return samples if changed is samples else checked_samples(self.use, changed, samples)
 
     def source(self, *, geometry: ImageGeometry, context: ImageContext, frames: int) -> Places | None:
-        """Where each pixel looks, of an effect that moves pixels; None where it is off [px]."""
+        """Places at which pixels look, of an effect that moves pixels; None where it is off [px]."""
         with calling(self.use, doing="source"):
             places: Places | None = self.effect.source(geometry=geometry, context=context, frames=frames)
         return places

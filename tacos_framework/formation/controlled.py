@@ -22,7 +22,7 @@ Expose = Callable[[Capture, Exposure, EpisodeDraws], FrameBatch]
 
 @dataclass
 class _CameraState:
-    """Where the control of a camera stands: the walk, the exposure of its next frame, what is remembered."""
+    """State of the control of a camera: the walk, the exposure of its next frame, what is remembered."""
 
     walk: int
     exposure: Exposure

@@ -1,4 +1,4 @@
-"""What is drawn and remembered along an episode: every frame has generators of its own."""
+"""Draws and memory along an episode: every frame has generators of its own."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class EpisodeDraws:
 
     seed: int
     names: tuple[str | int, ...]
-    """Which episode: the same seed and names draw the same noise."""
+    """Name of the episode: the same seed and names draw the same noise."""
     _memories: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
 
     @property
@@ -37,7 +37,7 @@ class EpisodeDraws:
         return generator(self.seed, *self.names, frame, *what)
 
     def memory(self, *what: str) -> dict[str, Any]:
-        """What one thing keeps from frame to frame."""
+        """Memory of one thing from frame to frame."""
         memory: dict[str, Any] = self._memories.setdefault(what, {})
         return memory
 

@@ -46,7 +46,7 @@ class ImageFormation:
         self.control = control
 
     def light(self, capture: Capture, draws: EpisodeDraws) -> Capture:
-        """What a renderer gave, with the effects on light."""
+        """The capture of a renderer with the effects on light."""
         return capture if self.control else self._light(capture, self.effects, draws)
 
     def with_effect(
@@ -194,7 +194,7 @@ class ImageFormation:
         return np.concatenate([changed.get(i, image[i : i + 1]) for i in range(len(image))])
 
     def _file_context(self, frames: FrameBatch, number: int, index: int) -> ImageContext:
-        """What is known of one file of a camera."""
+        """Circumstances of one file of a camera."""
         taken = frames.exposures[number][index] if frames.exposures else self.exposure
         return ImageContext(
             exposure_s=taken.time_s,
@@ -208,6 +208,6 @@ class ImageFormation:
 
 
 def _unknown(camera: str, missing: ContextMissing) -> UserError:
-    """What an effect asks for that is not known in a simulation."""
+    """The error of an effect that needs what a simulation does not know."""
     remedy = "Use a sensor that gives it, or take the effect out of the recipe."
     return blameless(UserError(Fault(f"camera {camera!r}", str(missing), "", remedy)))

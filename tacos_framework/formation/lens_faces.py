@@ -53,7 +53,7 @@ class Side:
     centre_px: tuple[float, float]
 
     def camera(self, whole: Camera) -> Camera:
-        """What takes it, at the place of the camera whose image is put together."""
+        """The pinhole that takes it, at the place of the camera whose image is put together."""
         turned = np.eye(4)
         turned[:3, :3] = SIDES[self.number].T
         return Camera(
@@ -69,7 +69,7 @@ class Side:
 
 @dataclass(frozen=True, eq=False)
 class Faces:
-    """How an image of S pixels is put together from P pixels of pictures, one picture after the other."""
+    """Assembly of an image of S pixels from P pixels of pictures, one picture after the other."""
 
     sides: tuple[Side, ...]
     light: csr_array
@@ -114,7 +114,7 @@ def faces_of(geometry: ImageGeometry) -> Faces:
 
 @dataclass(frozen=True, eq=False)
 class _Looks:
-    """Where S pixels of an image look."""
+    """Directions of S pixels of an image."""
 
     side: NDArray[np.intp]
     """(S,) the side of the cube; -1 for none."""
@@ -130,7 +130,7 @@ _ABOUT_PX: Final = np.array([(0, 0), (0.25, 0), (-0.25, 0), (0, 0.25), (0, -0.25
 
 
 def _looks(geometry: ImageGeometry) -> Iterator[_Looks]:
-    """Where the image looks, some rows at a time."""
+    """Directions of the image, some rows at a time."""
     ahead = _fits_one_side(geometry)
     for first in range(0, geometry.height_px, _ROWS):
         rows = np.arange(first, min(first + _ROWS, geometry.height_px))

@@ -1,4 +1,4 @@
-"""What a renderer of pinholes gives for cameras with any lens."""
+"""Captures of any lens by a renderer of pinholes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tacos_framework.values import Camera, Capture, ImageGeometry, Rig, View
 
 
 def captured(renderer: Any, rig: Rig, take: Callable[..., Capture]) -> Capture:
-    """What a renderer gives for a rig, whatever its lenses: the way in which renderers are to be called.
+    """The capture of a renderer for a rig, whatever its lenses: the way in which renderers are to be called.
 
     Cameras that are no pinholes are put together from pinhole pictures (`lens_faces`), all taken in one call,
     unless the renderer itself says that it draws lenses (`RendererBase.draws_lenses`).

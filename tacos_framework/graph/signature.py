@@ -25,7 +25,7 @@ class Signature:
     output: Any
     """Type of the output port; None for tasks, which end a path."""
     supplied: frozenset[str]
-    """What the framework supplies beside: keyword-only parameters of the verb."""
+    """Keyword-only parameters of the verb, supplied by the framework."""
     verb: str = ""
     """The method that is called; none for those that the framework drives."""
 

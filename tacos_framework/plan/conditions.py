@@ -1,4 +1,4 @@
-"""What a study simulates, in a sentence: light, exposure, motion and other effects, and whose noise."""
+"""A study's simulated conditions in a sentence: light, exposure, motion and other effects, and whose noise."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def _noise_words(plan: Plan) -> Iterator[str]:
 
 
 def _is_assumed(plan: Plan, sensor: Any, values: Mapping[str, Any], part: str) -> bool | None:
-    """Whether a figure of the noise of a part is not its own; None where it is no camera's image sensor."""
+    """True if a figure of the noise of a part is not its own; None where it is no camera's image sensor."""
     if derived_of(plan, values) is None:
         return None
     try:

@@ -18,7 +18,7 @@ def check_wanted_files(
     nodes: Mapping[str, ConfiguredComponent],
     effects: Mapping[str, EffectPart],
 ) -> None:
-    """Whether tasks that want linear files get them: what is coded cannot be made linear again."""
+    """Tasks that want linear files must get them: what is coded cannot be made linear again."""
     coding = [part.name for part in effects.values() if _codes(part)]
     for task in graph.of_kind("task"):
         part = nodes[task]

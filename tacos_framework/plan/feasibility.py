@@ -34,7 +34,7 @@ class Infeasible:
     unmet: tuple[Breach, ...]
     """For each constraint that none of them keeps, how the one that comes nearest breaks it."""
     nearest: tuple[Breach, ...]
-    """What the camera that comes nearest to keeping all of them breaks."""
+    """Breaches of the camera that comes nearest to keeping all of them."""
 
     @property
     def sentence(self) -> str:

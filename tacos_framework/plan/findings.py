@@ -25,7 +25,7 @@ class RecipeFindings:
     recipe: Recipe
     plugins: Plugins
     faults: list[Fault]
-    """What is wrong, in the order it was found."""
+    """The faults, in the order they were found."""
 
     def in_order(self) -> list[Fault]:
         """The faults of each file by line and column."""

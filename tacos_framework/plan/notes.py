@@ -66,7 +66,7 @@ class DoubtedParts:
 
     catalog: str
     parts: int
-    """How many parts can be chosen."""
+    """Number of parts that can be chosen."""
     by_doubt: Mapping[str, tuple[str, ...]]
     """Each doubt once, with the names of the parts it is about; those of many parts first."""
 

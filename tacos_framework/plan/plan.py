@@ -32,7 +32,7 @@ FRAME_RATE = "frame_rate_fps"
 """That of the most frames a camera takes per second, if exposures are short enough [1/s]."""
 
 REFUSED: Mapping[str, float] = {"rig": 1.0}
-"""What a candidate breaks that the rig refuses; there is no telling by how much."""
+"""Breach of a candidate that the rig refuses; there is no telling by how much."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Plan:
     space: DesignSpace
     fitness: Fitness
     constraints: tuple[Constraint, ...]
-    """What a candidate must keep: those of the recipe, and those without which the rig cannot be built."""
+    """Constraints of a candidate: those of the recipe, and those without which the rig cannot be built."""
     effects: tuple[EffectPart, ...]
     optimizer: ConfiguredComponent
     executor: ConfiguredComponent
@@ -56,7 +56,7 @@ class Plan:
     objectives: tuple[Objective, ...] = ()
     """Aims that a front trades off; none where the fitness alone counts."""
     exposure: ConfiguredComponent | None = None
-    """What controls the exposure; None where it is fixed."""
+    """Control of the exposure; None where it is fixed."""
 
     def target(self, variable: str) -> Target:
         """The target of the design variable of that name."""
@@ -113,7 +113,7 @@ class Plan:
             return dict(self.rig.instance.derived(variables))
 
     def exposure_in(self, scenario: Scenario, variables: Settings) -> Exposure:
-        """How a camera is exposed in a scenario: with its own f-number, where its lens has but one."""
+        """Exposure of a camera in a scenario: with its own f-number, where its lens has but one."""
         f_number = self.derived_of(variables).get(F_NUMBER, scenario.f_number)
         return Exposure(scenario.exposure_ms * 1e-3, f_number, scenario.gain_db)
 

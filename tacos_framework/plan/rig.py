@@ -40,7 +40,7 @@ def find_rig(findings: RecipeFindings) -> tuple[ConfiguredComponent | None, dict
 
 
 def part_class(rig: ConfiguredComponent, variable: str) -> type[Settings] | None:
-    """What a rig makes of a part, where that variable of it is one."""
+    """A rig's class for a part, where that variable of it is one."""
     info = rig.cls.Variables.model_fields.get(variable)
     kinds = get_args(info.annotation) or (info.annotation,) if info else ()
     return next((kind for kind in kinds if isinstance(kind, type) and issubclass(kind, Settings)), None)

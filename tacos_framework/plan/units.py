@@ -15,7 +15,7 @@ from tacos_framework.values import Camera
 _FEWEST_PX, _FEW_PX = 3, 32
 """Images smaller than the one mean nothing, and than the other little [px]."""
 _PIXEL_UM, _FOCAL_MM, _HFOV_DEG, _EXPOSURE_MS = (0.3, 200.0), (0.1, 2000.0), (0.5, 175.0), (1e-4, 60_000.0)
-"""What cameras have, with room on both sides."""
+"""Usual ranges of cameras, with room on both sides."""
 
 
 def check_image_sizes(findings: RecipeFindings, plan: Plan) -> None:
@@ -44,7 +44,7 @@ def doubts_of_units(plan: Plan) -> Iterator[str]:
 
 
 def doubts_of_camera(camera: Camera) -> Iterator[str]:
-    """What no camera has, with the likely unit.
+    """Implausible figures, with the likely unit.
 
     Examples
     --------

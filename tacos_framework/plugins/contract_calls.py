@@ -19,9 +19,9 @@ class Call:
     verb: str
     """The method; ``__init__`` for the class itself."""
     given: tuple[str, ...] | None = ()
-    """What is given by position, in its order; None for input ports, of which there may be any number."""
+    """Positional parameters, in order; None for input ports, of which there may be any number."""
     supplied: tuple[str, ...] = ()
-    """What the framework can supply by keyword."""
+    """Keywords the framework can supply."""
     asked_for: bool = False
     """True if a method is given only the keywords it asks for, rather than all of them."""
     offered: tuple[str, ...] = ()
@@ -157,7 +157,7 @@ CALLS: Mapping[str, tuple[Call, ...]] = {
         Call("run", (), ("out", "seed", "plugins", "executor", "progress", "resume"), asked_for=True),
     ),
 }
-"""How components of each kind are called."""
+"""Calls of components of each kind."""
 
 OPTIONAL_CALLS: Mapping[str, tuple[Call, ...]] = {
     "effect": (
@@ -178,4 +178,4 @@ OPTIONAL_CALLS: Mapping[str, tuple[Call, ...]] = {
     "optimizer": (Call("recommend", ("count",)), Call("choose", ("finalists",))),
     "procedure": (Call("check", (), ("seed", "plugins"), asked_for=True),),
 }
-"""How those members are called that a component may have."""
+"""Calls of optional members of components."""

@@ -23,7 +23,7 @@ class Culprit:
     distribution: str | None = None
     """The distribution it comes from; None where it was registered by hand."""
     doing: str = ""
-    """What it was called for, e.g. ``"capture"``."""
+    """Purpose of the call, e.g. ``"capture"``."""
 
     @property
     def name(self) -> str:

@@ -24,7 +24,7 @@ class Observer:
     distribution: str | None
     """The distribution it comes from; None where it was registered by hand."""
     hooks: dict[str, Callable[..., Any]]
-    """What it listens to, by the name of the hook."""
+    """Its hooks by name."""
 
     def __str__(self) -> str:
         return f"{self.name} of {self.distribution}" if self.distribution else self.name

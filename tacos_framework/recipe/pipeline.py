@@ -1,4 +1,4 @@
-"""How a camera processes its files: a list of effects with their settings, written out or named."""
+"""Processing of files in a camera: a list of effects with their settings, written out or named."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ class ProcedureRecipe(Written):
     seed: int = 0
     executor: Use | None = None
     notes: tuple[str, ...] = ()
-    """What a reader of the results should know."""
+    """Notes for readers of the results."""
     document: Document | None = None
 
     @property

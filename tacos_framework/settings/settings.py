@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, JsonValue, model_validator
 
 Averaging = Literal["photosites", "lines"]
-"""What is independent in a spread, and so averages out in a binned pixel: photosites, or rows or columns."""
+"""Independent entries of a spread, which average out in a binned pixel: photosites, or rows or columns."""
 
 
 class Settings(BaseModel):

@@ -42,11 +42,11 @@ class Document:
     keys and list indices on the way from the root, which is ``()``.
     """
     name: str
-    """What to call the text in messages, usually its file."""
+    """Name of the text in messages, usually its file."""
     elsewhere: Mapping[tuple[str | int, ...], str] = field(default_factory=dict)
-    """What to call, in messages, entries that were put there from elsewhere, such as the command line."""
+    """Name, in messages, of entries that were put there from elsewhere, such as the command line."""
     faults: tuple[Fault, ...] = ()
-    """What the text says that was refused, where the rest can still be looked at."""
+    """Refused parts of the text, where the rest can still be looked at."""
     unread: frozenset[tuple[str | int, ...]] = frozenset()
     """Paths of the values among it that were read as None, for want of a better one."""
 

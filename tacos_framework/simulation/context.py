@@ -91,7 +91,7 @@ class EvaluationContext:
             yield {task: self._as_wanted(task, given) if wanted else given for task, given in inputs.items()}
 
     def _as_wanted(self, task: str, given: Mapping[str, Any]) -> Mapping[str, Any]:
-        """What a task is given, its frames in the form it wants."""
+        """Inputs of a task, its frames in the form it wants."""
         component = self.components[task]
         return {
             port: frames_for(component, value) if isinstance(value, FrameBatch) else value

@@ -16,11 +16,11 @@ class EpisodeSpec:
     seed: int
     """Seed of the study or of its test scenes."""
     name: tuple[str | int, ...]
-    """What the episode is for, e.g. ``("design", 3, 0)``."""
+    """Purpose of the episode, e.g. ``("design", 3, 0)``."""
     frames: int | None = None
     """Number of frames; None leaves it to the scene."""
     block: tuple[int, int] = (0, 1)
-    """Which part of the episode to score by itself, counted from 0, of how many equal parts."""
+    """Part of the episode to score by itself, counted from 0, and the number of equal parts."""
     scenario: str | None = None
     """The scenario it is seen in, where the recipe has several; None for each of them in turn. World, path
     and noise are the same in all, the light is not.

@@ -51,13 +51,13 @@ class Evaluation:
     raised: Raised | None = None
     """The error behind `failed`, where a component has a defect rather than nothing to say."""
     scenario_episodes: Mapping[str, Sequence[Scores]] = field(default_factory=dict)
-    """Where there are several scenarios, the scores of each episode in each of them."""
+    """The scores of each episode in each scenario, where there are several."""
     scenarios: Mapping[str, Scores] = field(default_factory=dict)
     """Then also the scores and the fitness of each scenario by itself."""
     broken: Mapping[str, float] = field(default_factory=dict)
     """By how much it breaks each constraint, as `DesignProblem.broken` has it; nothing was rendered then."""
     episode_numbers: tuple[int, ...] = ()
-    """Which of the episodes of the study those are, counted from 0; empty where nobody counts them."""
+    """Numbers of the episodes in the study, counted from 0; empty where they are not counted."""
 
     @property
     def scores_by_episode(self) -> dict[int, dict[str, float]]:

@@ -45,7 +45,7 @@ def not_shown(contexts: Mapping[str, EvaluationContext]) -> dict[str, str]:
 
 
 def notes_on_shown(plan: Plan) -> Iterator[str]:
-    """How much of the design space recordings answer for, and why not for the rest."""
+    """Share of the design space that recordings cover, and the reasons for the rest."""
     from tacos_framework.simulation.simulation import Simulation  # which asks this module of each candidate
 
     yield from _notes(plan, Simulation(plan))

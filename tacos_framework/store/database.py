@@ -27,7 +27,7 @@ PAGE_BYTES = 4096
 """Size of a page; a database with anything in it has more than one."""
 
 PATIENCE_S = 60.0
-"""How long to wait for another process that reads or writes at this moment."""
+"""Time to wait for another process that reads or writes at this moment."""
 
 _SCHEMA = (
     "CREATE TABLE entries (kind TEXT, key, value TEXT NOT NULL, digest TEXT NOT NULL, "

@@ -30,7 +30,7 @@ class Manifest(BaseModel):
     files: dict[str, str]
     """Checksums of the files that settings name (``detect.weights: FILE``), folders file by file."""
     accepted: tuple[tuple[str, ...], ...] = ()
-    """What had changed, in sentences, each time the run went on with ``--accept-changes``."""
+    """Changes, in sentences, each time the run went on with ``--accept-changes``."""
 
     def changes(self, now: Manifest) -> list[str]:
         """Differences to now, a sentence each."""

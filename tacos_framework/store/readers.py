@@ -25,7 +25,7 @@ RESULT = "result.json"
 """The file that says what came out of a run."""
 
 DESIGNED = "designed"
-"""What the results of a study call the camera that was designed, among the products."""
+"""Name of the designed camera in the results of a study."""
 
 FILES = "files"
 """Kind of entries of the database: digests of the files beside it, by their names."""

@@ -37,9 +37,9 @@ class Outcome:
     searches: Sequence[Search]
     """That of the designed camera first."""
     test: UnseenTest | None
-    """What came out on the test scenes; None where the recipe has none."""
+    """Outcome on the test scenes; None where the recipe has none."""
     scored_again: Sequence[Evaluation]
-    """What analyses had scored."""
+    """Scores asked for by analyses."""
     broken_off: str | None
     """Why it has not ended; None where it has."""
 
@@ -113,7 +113,7 @@ class Outcome:
 
     @cached_property
     def _spreads(self) -> dict[str, ScoreSpread]:
-        """How far each score of the fitness tells the cameras of the test apart."""
+        """Spread of each score of the fitness over the cameras of the test."""
         everyone = self.test.on_common_scenes.values() if self.test else ()
         blocks = [evaluation.blocks for evaluation in everyone if evaluation.fitness is not None]
         terms = [term.score for term in self.plan.recipe.fitness if term.weight]

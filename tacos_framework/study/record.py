@@ -27,7 +27,7 @@ class ScoredEpisode:
     scores: Scores
     """By ``node.score``; with several scenarios by ``scenario/node.score``."""
     stage: Literal["design", "final", "test", "analysis"]
-    """What it was scored for: the search, the choice among the finalists, the test, or an analysis."""
+    """Purpose of the scoring: the search, the choice among the finalists, the test, or an analysis."""
     generation: int
     """The generation of the search, from 0; of later stages the number of generations."""
 
@@ -38,7 +38,7 @@ class StudiedCamera:
 
     name: str
     title: str
-    """What results and what people call it."""
+    """Name in results, and title for people."""
     camera: Values | None
     """Plain values of its variables; None where no candidate of it could be scored."""
     free: tuple[str, ...]
@@ -52,7 +52,7 @@ class StudyRecord:
     recipe: Recipe
     space: DesignSpace
     problem: DesignProblem
-    """What was to be designed, and what is known of it."""
+    """The design problem."""
     designed: str
     """Name of the designed camera among `cameras`."""
     cameras: tuple[StudiedCamera, ...]
@@ -71,7 +71,9 @@ class StudyRecord:
     Gives the scores of each camera's episodes, none for one that fails.
     """
     comparisons: Mapping[str, PairedInterval] = field(default_factory=dict)
-    """What the test scenes tell of the designed camera less each product that was scored on them, by name."""
+    """Differences on the test scenes of the designed camera less each product that was scored on them, by
+    name.
+    """
     failed: Mapping[str, str] = field(default_factory=dict)
     """Cameras without a score, and why in a sentence."""
     degenerate: str | None = None

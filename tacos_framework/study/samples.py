@@ -11,7 +11,7 @@ from tacos_framework.simulation import EpisodeSpec, Evaluator, SampleJob
 from tacos_framework.store import Results
 
 SAMPLES_AT = (0.15, 0.5, 0.85)
-"""Where along the episode frames are taken [share of the episode]."""
+"""Places of sample frames along the episode [share of the episode]."""
 
 
 def write_samples(

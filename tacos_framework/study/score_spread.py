@@ -1,4 +1,4 @@
-"""How far each score of a fitness tells cameras apart, against what scenes do to it."""
+"""Spread of each score between cameras, against its spread between scenes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FULL = 0.1
 
 @dataclass(frozen=True)
 class ScoreSpread:
-    """Whether a score still tells cameras apart."""
+    """Spread of a score between cameras."""
 
     share_of_variance: float
     """Variance between cameras, over it and what a scene does to one camera and not to the others, 0..1."""

@@ -16,7 +16,7 @@ from tacos_framework.study.run_files import KeptSearch
 from tacos_framework.variables.design_space import DesignSpace
 
 _OWN_FORM = {"finalists", "best", "searched", "failing", "candidate_stats", "cache", "optimizer"}
-"""What of a search a checkpoint does not have as it is."""
+"""Fields of a search that a checkpoint has in another form."""
 
 _PLAIN_STATE = tuple(name for name in KeptSearch.model_fields if name not in _OWN_FORM)
 """Fields of a search that it does."""
@@ -71,7 +71,9 @@ class SearchState:
     broken_in_a_row: int = 0
     failed_alike: int = 0
     common_failure: str | None = None
-    """How many candidates in a row failed for the same reason, as far as can be told, and the last reason."""
+    """Number of candidates in a row that failed for the same reason, as far as can be told, and the last
+    reason.
+    """
     last_failure: str | None = None
     """Why the last candidate that failed did, in a sentence."""
     finalists_rescored: bool = False
@@ -80,7 +82,7 @@ class SearchState:
     trained_best: int = 0
     best: Evaluation | None = None
     searched: EndOfSearch | None = None
-    """What there was before those were; None while the search goes on."""
+    """State before the finalists; None while the search goes on."""
     failing: FailuresInARow = field(default_factory=FailuresInARow)
     candidate_stats: dict[str, CandidateStats] = field(default_factory=dict)
     cache: dict[str, Evaluation] = field(default_factory=dict)

@@ -31,7 +31,7 @@ from scipy.special import stdtrit
 Verdict = Literal["better", "worse", "equivalent", "undecided"]
 
 GROWTH = 1.5
-"""How many times the scenes of a look the next one has: workers have enough to do, and none comes late."""
+"""Growth of the scenes from look to look: workers have enough to do, and none comes late."""
 
 SPENDING_POWER = 3
 """Until a look, this power of the share of scenes seen is the share of the error that is spent [2]_."""

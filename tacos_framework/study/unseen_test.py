@@ -19,12 +19,12 @@ class UnseenTest:
     """The designed camera beside the products, on more and more scenes."""
 
     settings: Test
-    """How many scenes, and how sure is sure enough."""
+    """Number of scenes and confidence."""
     fitness: Fitness
     designed: str
     """Name of the camera that each other is compared with."""
     evaluations: dict[str, Evaluation] = field(default_factory=dict)
-    """What came out so far, by name; each camera's scenes are the first so many."""
+    """Evaluations so far, by name; each camera's scenes are the first so many."""
 
     def episodes(self, first: int, last: int) -> tuple[EpisodeSpec, ...]:
         """Test episodes by number; `last` is not among them."""

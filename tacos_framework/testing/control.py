@@ -16,7 +16,7 @@ from tacos_framework.values import Exposure, ImageContext
 FRAMES = 60
 """Frames of a still scene after which a camera must have settled."""
 SETTLED = 0.2
-"""How far the exposure of such a frame may lie from that of the next, in stops."""
+"""Largest difference of exposures of such a frame and the next, in stops."""
 
 
 class ControlConformance(ComponentConformance):

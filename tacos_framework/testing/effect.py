@@ -23,7 +23,7 @@ from tacos_framework.testing.samples import sample_capture, sample_expected_dn, 
 from tacos_framework.values import Capture, FrameBatch, ImageContext, ImageGeometry
 
 NEARLY = 1e-3
-"""How far a nearly neutral parameter lies on the way from neutral to the suite's ``config`` [1]."""
+"""Place of a nearly neutral parameter on the way from neutral to the suite's ``config`` [1]."""
 
 
 class EffectConformance(ComponentConformance):

@@ -31,7 +31,7 @@ UNUSUAL: dict[str, dict[str, Any]] = {
     "the same fitness": {"fitness": 0.0, "episodes": {i: {"task.score": 0.0} for i in range(EPISODES)}},
     "that no episode gives the score": {"fitness": None, "failed": "no score", "episodes": {0: {}}},
 }
-"""What an optimizer may be told of every candidate there is."""
+"""The results of every candidate there is."""
 
 
 class OptimizerConformance(ComponentConformance):

@@ -14,7 +14,7 @@ from tacos_framework.study.progress import Silent
 from tacos_framework.testing.component import ComponentConformance
 
 SUPPLIED = ("out", "seed", "plugins", "executor", "progress", "resume", "accept_changes")
-"""What the framework has to offer to a procedure's `run`."""
+"""Keywords of a procedure's `run`."""
 
 
 class InThisProcess:

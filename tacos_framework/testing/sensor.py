@@ -20,7 +20,7 @@ from tacos_framework.values import Camera, Capture, FrameBatch
 DRAWS = 24
 """Draws of an image of 48 x 64 pixels, by which the noise is measured."""
 NEARLY = 0.02
-"""How far mean and variance may lie from what the sensor says, beside chance [1]."""
+"""Tolerance of mean and variance beside chance [1]."""
 
 
 class SensorConformance(ComponentConformance):

@@ -28,7 +28,7 @@ class BrownConrady(NamedTuple):
     p2: float = 0.0
 
     def distorted(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> Points:
-        """Where the lens images points of the undistorted image.
+        """Images of points of the undistorted image.
 
         Examples
         --------
@@ -44,12 +44,12 @@ class BrownConrady(NamedTuple):
         )
 
     def radial(self, radius: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Where the lens images a radius of the undistorted image, but for tangential terms."""
+        """Image of a radius of the undistorted image, but for tangential terms."""
         r2 = radius**2
         return radius * (1 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3)))
 
     def undistorted(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> Points:
-        """Which point of the undistorted image the lens images at (x, y).
+        """The point of the undistorted image that the lens images at (x, y).
 
         Strong barrel distortion folds the image over: nothing is imaged beyond some radius. For places out
         there, the nearest point that is imaged.

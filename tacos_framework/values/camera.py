@@ -15,12 +15,12 @@ from tacos_framework.values.lens import PINHOLE, Lens
 
 Colour = Literal["colour", "mono"]
 SHUTTERS = ("global", "rolling", None)
-"""How rows are exposed: all at once, one after the other, or nobody knows."""
+"""Exposure of rows: all at once, one after the other, or unknown."""
 
 
 @dataclass(frozen=True)
 class Electrons:
-    """What is known of a photosite in electrons; None is unknown, and no model may invent it."""
+    """Known figures of a photosite in electrons; None is unknown, and no model may invent it."""
 
     sensor: str = ""
     """Name of the image sensor, for messages."""
@@ -65,7 +65,7 @@ class Camera:
     principal_point_px: tuple[float, float] | None = None
     """(x, y) [px]; the image centre when None."""
     electrons: Electrons = Electrons()
-    """What is known of its photosites in electrons."""
+    """Known figures of its photosites in electrons."""
     sensor_binning: float = 1
     """The part of it that the camera does itself: its own images have a pixel for so many photosites along
     each side [1].
@@ -151,7 +151,7 @@ class Rig:
 
 @dataclass(frozen=True)
 class Exposure:
-    """How the scene is exposed: time [s], f-number [1], gain [dB]."""
+    """Exposure of the scene: time [s], f-number [1], gain [dB]."""
 
     time_s: float = 0.030
     f_number: float = 2.0

@@ -19,7 +19,7 @@ Grade = Literal[
     "derived",
     "hobby list",
 ]
-"""How far a value can be trusted, the best first: stated by the maker of the part; by the maker of a camera
+"""Grades of trust in a value, the best first: stated by the maker of the part; by the maker of a camera
 with it (EMVA 1288, a manual); written to the part by code that runs it, in one of its modes; measured by
 somebody who says how; one of these as copied by a third party; stated by a shop; computed from other values;
 said by a list or program not checked against the maker."""
@@ -40,7 +40,7 @@ class CatalogPart:
     notes: tuple[str, ...] = field(default=(), compare=False)
     """Sentences on anything else, such as what was cross-checked."""
     grades: Mapping[str, Grade] = field(default_factory=dict, compare=False)
-    """How far a value can be trusted, where the catalog says so."""
+    """Trust in a value, where the catalog grades it."""
 
     def __hash__(self) -> int:
         return hash((self.name, frozenset(self.values.items())))

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from scipy.spatial.transform import Slerp
 
 _BEYOND_S = 0.1
-"""How far a way goes on beyond its ends where it is continued, longer than any exposure in motion [s]."""
+"""Length of a way's continuation beyond its ends, longer than any exposure in motion [s]."""
 
 
 TRUTHS = ("geometry", "poses", "depth", "objects")
@@ -121,7 +121,7 @@ class Episode:
     crossings: tuple[Crossing, ...] = ()
     """Every step on an obstacle that counts in the whole episode."""
     movers: tuple[Mover, ...] = ()
-    """What moves while the agent does; everything else stands still."""
+    """The things that move while the agent does; everything else stands still."""
     first_frame: int = 0
     """Index of frame 0 of this batch in the whole episode."""
     absent: tuple[str, ...] = ()

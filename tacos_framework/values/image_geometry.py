@@ -1,4 +1,4 @@
-"""What an effect on plain arrays knows about an image besides its samples: geometry and circumstances."""
+"""Geometry and circumstances of an image, for effects on plain arrays."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Velocity = NDArray[np.floating]
 
 @dataclass(frozen=True)
 class ImageGeometry:
-    """Where the pixels of an image lie on the sensor and behind the lens.
+    """Geometry of an image's pixels on the sensor and behind the lens.
 
     The image may be a crop of the sensor: radii still run over the *full* sensor's half diagonal, and rows
     are read out where they lie on the sensor.
@@ -45,7 +45,7 @@ class ImageGeometry:
     pixel_um: float
     """Pitch of the image's pixels, binning included [um]."""
     offset_px: tuple[int, int] = (0, 0)
-    """Where pixel (0, 0) of the image lies on the full sensor (x, y) [px]."""
+    """Place of pixel (0, 0) of the image on the full sensor (x, y) [px]."""
     full_width_px: int = 0
     full_height_px: int = 0
     """Size of the full sensor; that of the image when 0 [px]."""
@@ -139,7 +139,7 @@ class ContextMissing(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class ImageContext:
-    """How an image came about, as far as it is known; None where it is not."""
+    """Circumstances of an image; None where they are not known."""
 
     exposure_s: float = 0.030
     """Exposure time [s]."""
@@ -159,7 +159,7 @@ class ImageContext:
     works it out when it is asked for [px/s].
     """
     motion: Any = None
-    """How each thing moves over the image about the frame's moment, where that is rendered
+    """Motion of each thing over the image about the frame's moment, where that is rendered
     (`tacos_framework.camera.FrameMotion`).
     """
     object_id: NDArray[np.integer] | None = None
@@ -175,9 +175,9 @@ class ImageContext:
     cfa: str | None = None
     """Colour filters of a mosaic from the top-left pixel on, ``"RGGB"``; None for full channels."""
     dn_per_electron: float | None = None
-    """What one electron of a photosite adds to a sample [DN/e-]."""
+    """Samples per electron of a photosite [DN/e-]."""
     memory: dict[str, Any] = field(default_factory=dict)
-    """What the effect itself keeps from frame to frame of a sequence; empty at its first frame."""
+    """Memory of the effect from frame to frame of a sequence; empty at its first frame."""
 
     def known_f_number(self, effect: str) -> float:
         """The f-number, for an effect that cannot do without; `ContextMissing` where it is not known."""

@@ -1,4 +1,4 @@
-"""What cameras deliver: linear light, then digital frames."""
+"""Output of cameras: linear light, then digital frames."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tacos_framework.values.episode import Episode
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """What one camera faces, frame by frame: light and truth."""
+    """Light and truth before one camera, frame by frame."""
 
     camera: Camera
     world_from_camera: NDArray[np.float64]
@@ -61,7 +61,7 @@ class View:
 
 @dataclass(frozen=True, eq=False)
 class Capture:
-    """What a renderer gives for a batch: one view per camera of the rig, in the rig's order."""
+    """Output of a renderer for a batch: one view per camera of the rig, in the rig's order."""
 
     episode: Episode
     views: tuple[View, ...]

@@ -1,4 +1,4 @@
-"""What a lens makes of angles: its projection, how far it reaches, and which way it bends straight lines."""
+"""Projection of a lens: its reach, and its distortion."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tacos_framework.values.brown_conrady import BrownConrady
 Projection = Literal["rectilinear", "equidistant", "equisolid", "stereographic", "kannala-brandt"]
 
 _REACH_DEG: Final = {"rectilinear": 90.0}
-"""Where a projection ends; the others image the whole sphere."""
+"""Angle at which a projection ends; the others image the whole sphere."""
 
 _COEFFICIENTS: Final = {"rectilinear": 5, "kannala-brandt": 4}
 _TABLE = 1024
@@ -95,7 +95,7 @@ class Lens:
 
     @cached_property
     def reach_rad(self) -> float:
-        """Where the projection itself ends: what lies beyond it images nowhere, or where else is [rad]."""
+        """End of the projection: beyond it nothing is imaged, or where something else is [rad]."""
         if self.is_rectilinear:
             return math.atan(self.distortion.fold)
         if self.projection != "kannala-brandt":
@@ -199,4 +199,4 @@ class Lens:
 
 
 PINHOLE: Final = Lens()
-"""What a camera has unless its lens is known."""
+"""Lens of a camera unless it is known."""

@@ -12,7 +12,7 @@ from tacos_framework.values.arrays import read_only
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """How a surface reflects and emits light (metallic-roughness model)."""
+    """Reflection and emission of a surface (metallic-roughness model)."""
 
     name: str
     """For logs and exports."""
@@ -62,7 +62,7 @@ class MeshPart:
     object_id: int
     """Id of the object it belongs to: index into `World.objects`."""
     light_detail: float = 1.0
-    """How fine the light on it needs to be known, over what a renderer is asked for: below 1 for what is only
+    """Fineness of the light on it, over what a renderer is asked for: below 1 for what is only
     seen from afar [1].
     """
 

@@ -8,7 +8,8 @@ from collections.abc import Iterable
 from tacos_framework import Fault, UserError
 
 _RECIPES = {"bash": "_tacos_recipe_files", "zsh": "_tacos_recipe_files", "fish": "(__tacos_recipes)"}
-"""How each shell is asked for recipes; bash takes what this prints for files, as its name says so."""
+"""Commands by which each shell asks for recipes; bash takes what this prints for files, as its name says so.
+"""
 
 _PREAMBLE = {
     "bash": """\

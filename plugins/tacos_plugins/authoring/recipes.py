@@ -24,7 +24,7 @@ def list_recipes() -> str:
 
 
 def summary_of(recipe: Path) -> str:
-    """What a recipe is for: the first sentence of the comment it begins with, else its name."""
+    """Purpose of a recipe: the first sentence of the comment it begins with, else its name."""
     lines = takewhile(lambda line: re.match(r"# \S", line), read_text(recipe).splitlines())
     comment = " ".join(line.removeprefix("# ").strip() for line in lines)
     if (sentence := _SENTENCE.match(comment)) is not None:

@@ -13,7 +13,7 @@ from numba.extending import is_jitted
 from tacos_framework import content_key
 
 _WRITTEN_IN = (bool, int, float, str, tuple, np.generic, np.ndarray)
-"""What a global is that numba writes into code as it stands."""
+"""Types of globals that numba writes into code as they stand."""
 
 
 class KeptCode(FunctionCache):
@@ -58,7 +58,7 @@ def _parts(loop: Callable[..., Any], known: set[int]) -> list[Any]:
 
 
 def _instructions(code: CodeType) -> list[Any]:
-    """What a function does, wherever it stands."""
+    """The instructions of a function, wherever it stands."""
     plain = [(type(each).__name__, each) for each in code.co_consts if isinstance(each, _WRITTEN_IN)]
     inner = [_instructions(each) for each in code.co_consts if isinstance(each, CodeType)]
     return [code.co_code.hex(), list(code.co_names), list(code.co_varnames), plain, inner]

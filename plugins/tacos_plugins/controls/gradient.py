@@ -12,7 +12,7 @@ from tacos_plugins.controls.limits import ExposureLimits, signal_shares
 GAMMAS = (1 / 1.9, 1 / 1.5, 1 / 1.2, 1.0, 1.2, 1.5, 1.9)
 """Powers an image is tried with: below 1 it is brighter, as with a longer exposure (Sec. III-B)."""
 FINE_GAMMAS = np.linspace(GAMMAS[0], GAMMAS[-1], 201)
-"""Where the curve through what they give is searched for its peak."""
+"""Powers among which the peak of the curve is searched."""
 
 
 class Gradient:

@@ -94,7 +94,7 @@ class AutoExposure:
 
     @staticmethod
     def guesses_from(captures: Captures) -> Iterator[Mapping[str, Any]]:
-        """Where the level of a sequence drifts against what is expected."""
+        """Guesses where the level of a sequence drifts against what is expected."""
         for capture in sequences(captures):
             real, expected = (means.mean(axis=1) for means in means_dn(capture))
             drift, change = (np.log(means / means[0]) for means in (real / expected, expected))

@@ -54,7 +54,7 @@ class AutoWhiteBalance:
 
     @staticmethod
     def guesses_from(captures: Captures) -> Iterator[Mapping[str, Any]]:
-        """Where red or blue of a sequence in colour drifts against green."""
+        """Guesses where red or blue of a sequence in colour drifts against green."""
         for capture in sequences(captures):
             if capture.real_dn.shape[-1] != 3:
                 continue

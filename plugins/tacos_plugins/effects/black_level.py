@@ -68,13 +68,13 @@ class BlackLevel:
 
     @classmethod
     def estimate_from(cls, captures: Captures) -> Iterator[Estimate]:
-        """What the shortest dark lies above the believed pedestal by."""
+        """The height of the shortest dark above the believed pedestal."""
         if off := closed_forms.pedestal_off_dn(captures):
             yield Estimate("offset_dn", *off, negligible=0.06)
 
     @classmethod
     def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
-        """What the darks lie above the believed pedestal by, those of the shortest time."""
+        """The height of the darks of the shortest time above the believed pedestal."""
         darks = of_kind(captures, "dark")
         if darks:  # dark current adds least to it
             shortest = min(darks, key=lambda each: each.context.exposure_s)

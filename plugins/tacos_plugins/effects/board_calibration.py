@@ -27,7 +27,7 @@ _FOCAL_STARTS = (1.0, 0.5, 2.5)
 
 @dataclass(frozen=True)
 class Calibration:
-    """What fits the corners of boards best."""
+    """The camera that fits the corners of boards best."""
 
     focal_px: float
     """Focal length [px]."""

@@ -1,4 +1,4 @@
-"""What even fields tell by arithmetic: pedestal, rows, patterns, fall-off and whiteness of the noise.
+"""Closed forms on even fields: pedestal, rows, patterns, fall-off and whiteness of the noise.
 
 Each is measured in parts of the picture, or of the captures, that know nothing of each other; their scatter
 is the standard error.
@@ -71,7 +71,7 @@ def whole_walls(captures: Captures, frames: int = 1) -> list[ObservedCapture]:
 
 
 def pedestal_off_dn(captures: Captures) -> Measured | None:
-    """What the darks of the shortest time lie above the believed pedestal by [DN]."""
+    """Height of the darks of the shortest time above the believed pedestal [DN]."""
     for dark in whole_darks(captures)[:1]:
         return mean_of([float(part.mean()) for part in _parts(dark.real_dn - dark.context.black_level_dn)])
     return None

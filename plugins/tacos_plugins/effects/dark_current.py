@@ -88,7 +88,7 @@ class DarkCurrent:
 
     @classmethod
     def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
-        """How fast the dark rises from the shortest to the longest exposure, and hot pixels of the longest.
+        """Rise of the dark from the shortest to the longest exposure, and hot pixels of the longest.
 
         Of exponentially distributed values those above a threshold exceed it by their mean.
         """

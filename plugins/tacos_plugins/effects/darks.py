@@ -1,4 +1,4 @@
-"""What dark frames show of pixels and lines that stay bright, with a pedestal or cut off at 0."""
+"""Pixels and lines that stay bright in dark frames, with a pedestal or cut off at 0."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tacos_framework import Captures, ObservedCapture, of_kind
 
 ROUNDING_DN = 0.5
-"""What a value must exceed to be seen in a file of whole numbers, without noise [DN]."""
+"""Least value seen in a file of whole numbers, without noise [DN]."""
 
 _SPREADS = 6.0
 _NORMAL_MAD = 1.4826
@@ -41,13 +41,13 @@ def isolated(bright: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True, eq=False)
 class SteadyDark:
-    """What all frames of a dark hold above their middle."""
+    """The part of a dark above its middle that all frames share."""
 
     capture: ObservedCapture
     above_dn: NDArray[np.float32]
     """(H, W, C) the least of the frames, less the median of all pixels [DN]."""
     lowest_dn: float
-    """What noise and rounding seldom reach: pixels above it are bright [DN]."""
+    """Level that noise and rounding seldom reach: pixels above it are bright [DN]."""
 
     @cached_property
     def bright(self) -> NDArray[np.bool_]:

@@ -1,4 +1,4 @@
-"""How wide a disc has blurred a picture, from its spectrum and that of what is expected.
+"""Radius of the disc that has blurred a picture, from its spectrum and that of what is expected.
 
 Spectra do not mind where things stand: a picture that is shifted against its expectation tells as much.
 """

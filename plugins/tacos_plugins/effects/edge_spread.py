@@ -1,4 +1,4 @@
-"""How wide a straight edge is spread, by the second moment of its line-spread function (ISO 12233, 6.2).
+"""Spread of a straight edge, by the second moment of its line-spread function (ISO 12233, 6.2).
 
 Against that of what is expected, so that the pixels' own width cancels. Moments of blurs of any kind add up.
 """

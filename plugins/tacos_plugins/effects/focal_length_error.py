@@ -74,7 +74,7 @@ class FocalLengthError:
 
     @classmethod
     def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
-        """What boards calibrate, with a lens that distorts and without, or how pictures of scenes align."""
+        """Calibration by boards, with a lens that distorts and without, or how pictures of scenes align."""
         for terms in (0, 2):
             if found := calibrated(captures, terms=terms, free=("focal_length", "principal_point")):
                 scale = found.focal_px / of_kind(captures, "board")[0].geometry.focal_length_px
@@ -87,7 +87,7 @@ class FocalLengthError:
         return (self.config.scale, self.config.dx_px, self.config.dy_px) == (1.0, 0.0, 0.0)
 
     def source(self, *, geometry: ImageGeometry, context: ImageContext, frames: int) -> Places | None:
-        """Where in the believed image each pixel of the real one looks, (H, W); None where off [px]."""
+        """Places in the believed image at which pixels of the real one look, (H, W); None where off [px]."""
         if self._off:
             return None
         cx, cy = geometry.centre_px
@@ -97,7 +97,7 @@ class FocalLengthError:
     def source_at(
         self, x_px: NDArray[np.float64], y_px: NDArray[np.float64], *, geometry: ImageGeometry
     ) -> Places:
-        """Where in the believed image points of the real one look [px]."""
+        """Places in the believed image at which points of the real one look [px]."""
         cx, cy = geometry.centre_px
         c = self.config
         return cx + (x_px - cx - c.dx_px) / c.scale, cy + (y_px - cy - c.dy_px) / c.scale

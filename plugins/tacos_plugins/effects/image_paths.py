@@ -63,7 +63,7 @@ class Paths:
     widest: int
     """So many neighbours may take the path of one [1]."""
     alike: np.float32
-    """Where their inverse depths differ by no more than this from the first's [1/m]."""
+    """Largest difference of their inverse depths from the first's [1/m]."""
 
     @property
     def row_shape(self) -> tuple[int, ...]:
@@ -74,7 +74,7 @@ class Paths:
 
 @dataclass(frozen=True, eq=False)
 class ImageMotion:
-    """How a frame's image moves."""
+    """Motion of a frame's image."""
 
     displaced: Sequence[Displaced]
     """For each table the function of its motion: what stands still first, then what moves by itself."""

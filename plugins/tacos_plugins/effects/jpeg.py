@@ -66,7 +66,7 @@ class Jpeg:
 
     @classmethod
     def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
-        """What the files themselves say; the middle qualities of several, and the commonest subsampling."""
+        """The coding that the files state; the middle qualities of several, and the commonest subsampling."""
         if codings := [each.coding for each in captures if each.coding is not None]:
             quality = median_low(coding.quality for coding in codings)
             offset = median_low(coding.chroma_offset for coding in codings)

@@ -60,7 +60,7 @@ class LateralChromaticAberration:
 
 
 def magnified_source(geometry: ImageGeometry, constant: float, square: float) -> Places:
-    """Where each pixel of a channel looks whose radii are magnified by ``1 + constant + square r^2``.
+    """Places at which pixels of a channel look whose radii are magnified by ``1 + constant + square r^2``.
 
     `constant`, `square`: c and b, at most 0.05 [1].
 

@@ -120,7 +120,7 @@ def blur_over_field(light: NDArray[np.floating], sigma_px: NDArray[np.float64]) 
 
 
 def _share(variance: NDArray[np.float64], steps: NDArray[np.float64], i: int) -> NDArray[np.float64]:
-    """How much of blur `i` each pixel takes; the shares of all blurs come to 1."""
+    """Share of blur `i` in each pixel; the shares of all blurs come to 1."""
     height = np.zeros(len(steps))
     height[i] = 1.0
     return np.interp(variance, steps, height)

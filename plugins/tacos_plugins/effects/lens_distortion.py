@@ -145,13 +145,13 @@ class LensDistortion:
         return BrownConrady(c.k1, c.k2, c.k3, c.p1, c.p2)
 
     def source(self, *, geometry: ImageGeometry, context: ImageContext, frames: int) -> Places | None:
-        """Where in the pinhole's image each pixel looks, (H, W) columns and rows; None where off [px]."""
+        """Places in the pinhole's image at which pixels look, (H, W) columns and rows; None where off [px]."""
         return None if self._off else _source(self._lens, geometry)
 
     def source_at(
         self, x_px: NDArray[np.float64], y_px: NDArray[np.float64], *, geometry: ImageGeometry
     ) -> Places:
-        """Where in the pinhole's image points of the image look [px]."""
+        """Places in the pinhole's image at which points of the image look [px]."""
         return (x_px, y_px) if self._off else _source_at(self._lens, x_px, y_px, geometry)
 
 
@@ -179,7 +179,7 @@ def _source_at(
 
 
 def _undistorted(lens: BrownConrady | Lens, x: NDArray[np.float64], y: NDArray[np.float64]) -> Places:
-    """Which tangents a lens images at places in focal lengths; those of a fisheye up to `_WIDEST_RAD`."""
+    """Tangents that a lens images at places in focal lengths; those of a fisheye up to `_WIDEST_RAD`."""
     if isinstance(lens, BrownConrady):
         return lens.undistorted(x, y)
     radius = np.hypot(x, y)

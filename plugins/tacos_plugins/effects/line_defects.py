@@ -35,7 +35,7 @@ class _BadLines:
 
     share: float
     offset_dn: float | None
-    """What they show above the others; None where they are dead [DN]."""
+    """Offset above the others; None where they are dead [DN]."""
 
 
 def bad_lines(captures: Captures) -> Iterator[Mapping[str, Any]]:
@@ -55,7 +55,7 @@ def bad_lines(captures: Captures) -> Iterator[Mapping[str, Any]]:
 
 
 def _shown_by(*bad: _BadLines) -> dict[str, Any]:
-    """What bad lines show, as settings; one offset for all, as they are of one sensor."""
+    """Settings of the bad lines that are seen; one offset for all, as they are of one sensor."""
     offsets_dn = [each.offset_dn for each in bad if each.offset_dn is not None]
     return {"offset_dn": float(np.mean(offsets_dn))} if offsets_dn else {"dead": True}
 

@@ -15,7 +15,7 @@ Plane = NDArray[np.floating]
 
 @lru_cache(maxsize=8)
 def mosaic_channels(cfa: str, height_px: int, width_px: int) -> NDArray[np.intp]:
-    """Which channel each photosite of a Bayer mosaic samples.
+    """The channel that each photosite of a Bayer mosaic samples.
 
     `cfa`: colours of the 2 x 2 photosites at the top left, row by row: ``"RGGB"``. `height_px`, `width_px`:
     size of the image [px].
@@ -36,7 +36,7 @@ def mosaic_channels(cfa: str, height_px: int, width_px: int) -> NDArray[np.intp]
 
 
 def mosaic(frame: NDArray[np.floating], cfa: str) -> Plane:
-    """What a sensor under colour filters samples of an (H, W, 3) frame."""
+    """Samples of an (H, W, 3) frame under colour filters."""
     channels = mosaic_channels(cfa, *frame.shape[:2])
     return np.take_along_axis(frame, channels[..., None], axis=-1)[..., 0]
 

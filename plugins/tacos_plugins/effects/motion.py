@@ -17,7 +17,7 @@ from tacos_plugins.effects.samples import Samples
 from tacos_plugins.effects.shown_by import MOTION
 
 _NOWHERE_PX = 1e-3
-"""Who moves less stands still [px]."""
+"""Motion below which a thing stands still [px]."""
 
 
 class Motion:
@@ -147,7 +147,7 @@ class Motion:
         return self._row_time_us(context) * geometry.binning
 
     def _shutter(self, of_part: str | None) -> str:
-        """How rows are exposed."""
+        """The shutter, as set or as known."""
         return (of_part or "global") if self.config.shutter == "part" else self.config.shutter
 
     def _row_time_us(self, part: Camera | ImageContext) -> float:
@@ -156,7 +156,7 @@ class Motion:
         return next(each for each in known if each is not None)
 
     def _unknown_of(self, camera: Camera) -> str | None:
-        """What would have to be known of a camera and is not."""
+        """The unknown figure of a camera that the effect needs."""
         if self.config.shutter == "part" and camera.shutter is None:
             return "the shutter"
         if (
@@ -167,7 +167,7 @@ class Motion:
         return None
 
     def _said(self, row_time_us: float, assumed: bool) -> str:
-        """Where a line time comes from."""
+        """Origin of a line time."""
         if assumed:
             return f"assumed to be {row_time_us:g} us a row (assumed_row_time_us)"
         source = "as the recipe sets" if self.config.row_time_us is not None else "as the catalog states"

@@ -1,4 +1,4 @@
-"""What captures can and cannot tell: the usual reasons of `LookAlike` and `ShownBy`."""
+"""Limits of captures: the usual reasons of `LookAlike` and `ShownBy`."""
 
 from __future__ import annotations
 
@@ -76,22 +76,22 @@ def one_view(captures: Captures) -> bool:
 
 
 def any_of_kind(*kinds: str) -> Callable[[Captures], bool]:
-    """Whether there is a capture of some kinds."""
+    """Tests for a capture of some kinds."""
     return lambda captures: bool(of_kind(captures, *kinds))
 
 
 def none_of_kind(*kinds: str) -> Callable[[Captures], bool]:
-    """Whether there is no capture of some kinds."""
+    """Tests that there is no capture of some kinds."""
     return lambda captures: not of_kind(captures, *kinds)
 
 
 def repeated(*kinds: str) -> Callable[[Captures], bool]:
-    """Whether a capture of some kinds has two frames or more."""
+    """Tests for a capture of some kinds with two frames or more."""
     return lambda captures: any(capture.frames > 1 for capture in of_kind(captures, *kinds))
 
 
 def structured_of_kind(*kinds: str) -> Callable[[Captures], bool]:
-    """Whether a capture of some kinds shows edges or texture."""
+    """Tests for a capture of some kinds that shows edges or texture."""
     return lambda captures: bool(structured(of_kind(captures, *kinds)))
 
 
@@ -126,7 +126,7 @@ def _across_deg(capture: ObservedCapture) -> float:
 
 
 def _span_deg(angles_deg: Sequence[float]) -> float:
-    """How far apart the farthest two of some directions are; 0 and 180 deg are one [deg]."""
+    """Angle between the farthest two of some directions; 0 and 180 deg are one [deg]."""
     return max((abs((a - b + 90) % 180 - 90) for a in angles_deg for b in angles_deg), default=0.0)
 
 

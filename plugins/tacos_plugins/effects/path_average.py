@@ -22,7 +22,7 @@ from tacos_plugins.effects.path_loops import (
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """What each pixel of a rolling shutter shows at the moment of its row."""
+    """Things that pixels of a rolling shutter show at the moment of their row."""
 
     near: NDArray[np.float32]
     table_of: NDArray[np.int32]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from tacos_plugins.compiled.loops import inlined, unaliased
 
 KERNEL_PX = 2
-"""How far the kernel of the interpolation reaches [px]."""
+"""Reach of the kernel of the interpolation [px]."""
 
 PHASES = 128
 """Places between two pixels at which the kernel is kept."""
@@ -58,7 +58,9 @@ def _value(nodes: Floats, table: int, column: int, share: Single, near: Single, 
 
 @inlined
 def _alike(near: Floats, table_of: Ints, row: int, column: int, most: int, alike: Single) -> int:
-    """How many pixels from one on have its table, and inverse depths that differ by no more than `alike`."""
+    """Number of pixels from one on that have its table, and inverse depths that differ by no more than
+    `alike`.
+    """
     n, t, count = near[row, column], table_of[row, column], 1
     while count < most and table_of[row, column + count] == t and abs(near[row, column + count] - n) <= alike:
         count += 1
@@ -80,7 +82,7 @@ def find_shown(
     depth_m: Floats,
     shown_id: Ints,
 ) -> None:
-    """What each pixel shows at the moment of its row, and how far it is then.
+    """Fill in the thing that each pixel shows at the moment of its row, and its depth then.
 
     - `near`, `table_of`, `object_id`: (H, W) inverse depth [1/m], number of the table and object of what the
       frame shows.
@@ -123,7 +125,7 @@ def find_shown(
 
 @inlined
 def _kernel_up_to(t: Single, shares: Floats) -> None:
-    """How much of the cubic kernel (Keys 1981) lies below t + 1, t, t - 1 and t - 2, for t from 0 to 1."""
+    """Shares of the cubic kernel (Keys 1981) below t + 1, t, t - 1 and t - 2, for t from 0 to 1."""
     half, sixth, eighth = np.float32(0.5), np.float32(1 / 6), np.float32(0.125)
     s = np.float32(1) - t
     shares[0] = np.float32(1) - s * s * s * (eighth * s - sixth)

@@ -1,4 +1,4 @@
-"""Where moved pixels come from, when only the way there is known."""
+"""Inverse of a motion of pixels of which only the way there is known."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _CLOSE_PX = 1e-4
 
 
 def source_of(geometry: ImageGeometry, forward: Callable[..., Places], frames: int) -> Places:
-    """Where the pixels of a moved image come from, when only the way there is known.
+    """Places that the pixels of a moved image come from, by the way there.
 
     `forward`: takes columns and rows, (N, H, W), to where they move [px].
 

@@ -73,7 +73,7 @@ class PoseError:
         return np.asarray(near / scale)
 
     def source(self, *, geometry: ImageGeometry, context: ImageContext, frames: int) -> Places | None:
-        """Where in the believed image each pixel of the real one looks, (N, H, W) or (H, W) [px]."""
+        """Places in the believed image at which pixels of the real one look, (N, H, W) or (H, W) [px]."""
         if self._off:
             return None
         transform = self.real_from_believed

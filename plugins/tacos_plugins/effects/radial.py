@@ -9,7 +9,7 @@ FIELD_RADIUS = np.linspace(0, 1, 21)
 """Radii from the centre to a corner at which a polynomial is looked at, over half the diagonal [1]."""
 
 AS_GOOD_AS_LEVEL = 0.01
-"""How far a polynomial may dip below 1 that should only rise, or rise that should only fall [1]."""
+"""Tolerated dip below 1 of a polynomial that should only rise, or rise that should only fall [1]."""
 
 
 def even_polynomial(radius: NDArray[np.float64], *coefficients: float) -> NDArray[np.float64]:

@@ -55,7 +55,9 @@ class RollingShutter:
         self.config = config
 
     def source(self, *, geometry: ImageGeometry, context: ImageContext, frames: int) -> Places | None:
-        """Where in the frame's moment each pixel looks, (N, H, W) columns and rows; None where off [px]."""
+        """Places in the image of the frame's moment at which pixels look, (N, H, W) columns and rows; None
+        where off [px].
+        """
         if self.config.row_time_us == 0.0:
             return None
         velocity = context.known_velocity_px_s("effect.rolling-shutter")

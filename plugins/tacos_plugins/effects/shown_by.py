@@ -1,4 +1,4 @@
-"""What it takes to speak of the default effects, in the words of a remedy."""
+"""Captures that the default effects need, in the words of a remedy."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ class Brights:
 
 @dataclass(frozen=True)
 class Selection:
-    """What each figure rests on, decided once from what was measured."""
+    """The levels that each figure rests on, decided once from the measurements."""
 
     fitted: NDArray[np.bool_]
     linear: NDArray[np.bool_]

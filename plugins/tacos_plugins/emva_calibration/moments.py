@@ -19,11 +19,11 @@ Frame = Sequence[NDArray[np.integer]]
 
 @dataclass(frozen=True)
 class Moments:
-    """What a group of frames says of one channel."""
+    """Moments of one channel of a group of frames."""
 
     frames: int
     pixels: int
-    """How many there are; pixels of one frame."""
+    """Number of frames; pixels of one frame."""
     mean_dn: float
     """Mean of all frames [DN]."""
     variance_dn2: float

@@ -1,4 +1,4 @@
-"""What differs from pixel to pixel and stays: spatial variances of a stack of frames.
+"""Fixed patterns: spatial variances of a stack of frames.
 
 Source: EMVA Standard 1288, Release 4.0 Linear, Sec. 8: the variance of the mean over L frames, less the
 temporal variance over L; rows, columns and pixels apart.

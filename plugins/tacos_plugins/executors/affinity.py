@@ -1,4 +1,4 @@
-"""Which waiting job an idle worker does next, where jobs need costly things that workers keep."""
+"""Choice of the next job of an idle worker, where jobs need costly things that workers keep."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from typing import Any, Literal
 Affinity = Hashable | None
 
 Making = Literal["nothing", "first", "again"]
-"""What a worker makes for a job: nothing, something no worker has, or something another has."""
+"""Things a worker makes for a job: nothing, something no worker has, or something another has."""
 
 MOST_TIMES_LONGER, GRACE_S = 20, 60.0
 """A job that takes so many times the longest seen, and so much more [s], hangs."""
 
 
 def affinity_of(job: Any) -> Affinity:
-    """What a job needs that is costly to make, if it says so (`tacos_framework.contracts.JobRunner`)."""
+    """The costly things a job needs, if it says so (`tacos_framework.contracts.JobRunner`)."""
     found: Affinity = getattr(job, "affinity", None)
     return found
 
 
 def making(needs: Affinity, at_hand: Collection[Affinity], anywhere: Collection[Affinity]) -> Making:
-    """What a worker has to make for a job, by what it has at hand, and what any worker has.
+    """The things a worker has to make for a job, by what it has at hand, and what any worker has.
 
     Examples
     --------
@@ -39,7 +39,7 @@ _RECENT = 8  # jobs whose mean says what the next one takes: a search comes to c
 
 @dataclass
 class JobTimes:
-    """What jobs took, by what was made for them: what another worker has may be kept where it is read."""
+    """Times of jobs, by the things made for them: another worker's may be kept where they are read."""
 
     _at_hand_s: deque[float] = field(default_factory=lambda: deque(maxlen=_RECENT))
     _again_s: float = math.inf  # the least: others waited until the worker that had it first had made it
@@ -64,7 +64,7 @@ class JobTimes:
 
     @property
     def cost_of_making(self) -> float:
-        """How many jobs could be done in the time of one that makes again what another has; 1 if unknown."""
+        """Number of jobs done in the time of one that makes again what another has; 1 if unknown."""
         if not self._at_hand_s or math.isinf(self._again_s):
             return 1.0
         return max(1.0, self._again_s * len(self._at_hand_s) / sum(self._at_hand_s))

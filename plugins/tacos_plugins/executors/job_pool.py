@@ -32,12 +32,12 @@ class PoolWorker:
 
     ready: bool = False
     task: Task | None = None
-    """What it does; None where it is idle."""
+    """Its task; None where it is idle."""
     at_hand: set[Affinity] = field(default_factory=set)
-    """What the jobs it has had needed, and it may have kept."""
+    """Needs of the jobs it has had, which it may have kept."""
     makes: Making = "nothing"
     began_s: float = 0.0
-    """What it had to make for its task, and when it was given that [s]."""
+    """Things it had to make for its task, and the time it was given that [s]."""
 
     @property
     def idle(self) -> bool:

@@ -1,4 +1,4 @@
-"""What comes of jobs that run in other processes, and how it reaches the caller."""
+"""Outcomes of jobs in other processes, on their way to the caller."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class JobLost(RuntimeError):
 
 
 class WorkerTraceback(Exception):
-    """Where an error arose in a worker, as text: the cause of the error as it arrives here."""
+    """Traceback of an error in a worker, as text: the cause of the error as it arrives here."""
 
     def __str__(self) -> str:
         return f"in a worker process\n\n{self.args[0]}"

@@ -24,23 +24,23 @@ from tacos_plugins.executors.worker_process import WorkerProcess
 log = logging.getLogger(__name__)
 
 ATTEMPTS = 2
-"""How often a job is tried whose worker dies or hangs."""
+"""Tries of a job whose worker dies or hangs."""
 
 
 MOST_FAILED_STARTS = 3
-"""How many workers in a row may be killed before they are ready, as by a system short of memory."""
+"""Number of workers in a row that may be killed before they are ready, as by a system short of memory."""
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What a worker may take before it is replaced."""
+    """Limits beyond which a worker is replaced."""
 
     job_s: float | None = None
     """Longest time of a job [s]; None for one that follows from those seen (`JobTimes.generous_s`)."""
     resident_mib: float | None = None
     """Memory after a job [MiB]; None for any."""
     jobs: int | None = None
-    """How many jobs; None for any."""
+    """Number of jobs; None for any."""
 
 
 class Pool(JobPool[WorkerProcess]):
@@ -158,7 +158,7 @@ class Pool(JobPool[WorkerProcess]):
 
 
 def _script_that_is_no_file() -> str | None:
-    """What this process runs, where a new process could not run it again: standard input, or a pipe."""
+    """The script of this process, where a new process could not run it again: standard input, or a pipe."""
     main = sys.modules.get("__main__")
     script = getattr(main, "__file__", None)
     if script is None or getattr(main, "__spec__", None) is not None or Path(script).is_file():

@@ -1,4 +1,4 @@
-"""What runs inside a worker process of `ProcessExecutor`. Imports little, so that workers start fast."""
+"""The code inside a worker process of `ProcessExecutor`. Imports little, so that workers start fast."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ LEAVE = b""
 
 @dataclass(frozen=True)
 class Answer:
-    """What a worker sends back for a job; and once, empty, when it is ready for the first."""
+    """Message of a worker for a finished job; and once, empty, when it is ready for the first."""
 
     value: Any = None
     error: Exception | None = None
     traceback: str = ""
-    """Where it raised, as text."""
+    """Traceback, as text."""
     resident_mib: float = 0.0
     """Memory the worker holds after the job [MiB]."""
 

@@ -14,7 +14,7 @@ from threading import Thread
 from typing import Any
 
 DRAINED_S = 2.0
-"""How long an ended worker's pipe may stay open [s], as when a process that the worker forked outlives it."""
+"""Time an ended worker's pipe may stay open [s], as when a process that the worker forked outlives it."""
 
 
 def explicit_levels() -> dict[str, int]:

@@ -44,7 +44,7 @@ class WorkerProcess(PoolWorker):
         return True
 
     def answer(self) -> bytes | None:
-        """What it has sent, if anything.
+        """Its next message, if there is one.
 
         Raises `EOFError` or `ConnectionResetError` when it is dead.
         """
@@ -55,7 +55,7 @@ class WorkerProcess(PoolWorker):
         return None
 
     def how_it_ended(self) -> str:
-        """How the process ended, in words."""
+        """The end of the process, in words."""
         self.process.join()
         code = self.process.exitcode or 0
         if code >= 0:

@@ -22,7 +22,7 @@ from tacos_plugins.kept_worlds.fingerprints import code_key, settings_key
 from tacos_plugins.kept_worlds.store import WorldStore
 
 CLASSES = (Episode, World, MeshPart, Material, Object, Light, Trajectory, Crossing, Mover)
-"""What an episode consists of."""
+"""Classes that an episode consists of."""
 
 
 class StoredEpisodes:

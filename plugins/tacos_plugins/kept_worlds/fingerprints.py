@@ -1,4 +1,4 @@
-"""What a world follows from, as content keys: code, versions, settings, and the files that settings name."""
+"""Inputs of a world as content keys: code, versions, settings, and the files that settings name."""
 
 from __future__ import annotations
 

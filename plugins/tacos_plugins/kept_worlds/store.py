@@ -25,7 +25,7 @@ FOLDER_VARIABLE = "TACOS_CACHE"
 
 DEFAULT_LIMIT_BYTES = 10 * 10**9
 WORTH_KEEPING_S = 0.2
-"""What is made faster than this is not kept [s]."""
+"""Things made faster than this are not kept [s]."""
 
 _SPARE_BYTES = 10**9  # left free on the disk
 _ABANDONED_S = 3600.0  # a partial file this old is of a process that died
@@ -34,7 +34,7 @@ _SUFFIX, _LOCK, _LIMIT_FILE = ".world", ".lock", "limit"
 
 @dataclass(frozen=True)
 class Contents:
-    """What a store holds."""
+    """Contents of a store."""
 
     entries: int
     size_bytes: int
@@ -56,7 +56,7 @@ class WorldStore:
         self._is_writable = True
 
     def get(self, key: str, make: Callable[[], Made], classes: Sequence[type[Any]]) -> Made:
-        """What is kept under a key, or else what `make` gives, then kept if it can be.
+        """The value under a key, or else that of `make`, then kept if it can be.
 
         `key`: content key of all that it follows from. `classes`: the frozen dataclasses it consists of,
         beside arrays and plain data.
@@ -75,7 +75,7 @@ class WorldStore:
 
     @property
     def limit_bytes(self) -> int:
-        """How much it may hold [bytes]."""
+        """Its limit [bytes]."""
         try:
             return int((self.folder / _LIMIT_FILE).read_text())
         except (FileNotFoundError, ValueError):
@@ -88,7 +88,7 @@ class WorldStore:
         self._make_room(0)
 
     def contents(self) -> Contents:
-        """What it holds now."""
+        """Its contents now."""
         sizes = [size for _, size, _ in self._entries()]
         return Contents(len(sizes), sum(sizes), self.limit_bytes)
 
@@ -105,7 +105,7 @@ class WorldStore:
         return self.folder / f"{key}{_SUFFIX}"
 
     def _read(self, key: str, classes: Sequence[type[Any]]) -> tuple[Any] | None:
-        """What is kept, in a tuple; None where nothing is that can be used."""
+        """The value, in a tuple; None where there is none that can be used."""
         path = self._path(key)
         try:
             plain, arrays = unpacked(path.read_bytes())

@@ -63,7 +63,7 @@ def taken_apart(value: Any, classes: Sequence[type[Any]]) -> tuple[Any, list[Arr
 
 
 def put_together(plain: Any, arrays: Sequence[Array], classes: Sequence[type[Any]]) -> Any:
-    """What `taken_apart` took apart; arrays that were one are one again."""
+    """Undoes `taken_apart`; arrays that were one are one again."""
     by_name = {cls.__qualname__: cls for cls in classes}
 
     def whole(part: Any) -> Any:

@@ -1,4 +1,4 @@
-"""What light sources look like: colour of white light, luminance of an emitting surface."""
+"""Appearance of light sources: colour of white light, luminance of an emitting surface."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from tacos_framework import World
 from tacos_plugins.lighting.occlusion import Occlusion
 
 _NUDGE_M = 0.04
-"""How far a site moves from its vertex into its triangles, at most [m]."""
+"""Largest move of a site from its vertex into its triangles [m]."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ from tacos_plugins.noise_calibration.frame_files import FrameStack, stack_of
 
 
 class CameraSetting(Settings):
-    """How a scene is exposed."""
+    """Exposure of a scene."""
 
     exposure_ms: float = setting(help="Exposure time.", unit="ms", gt=0)
     gain_db: float = setting(help="Gain.", unit="dB")

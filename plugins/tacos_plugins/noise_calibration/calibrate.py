@@ -29,11 +29,11 @@ from tacos_plugins.sensors.calibration import Calibration, load_calibration
 from tacos_report.page import Code, Page, Section, Table, Warnings, in_both_widths, write_page
 
 WHITE_WALL_DN_SHARE = 200 / 255
-"""Where brightness is not known: a white wall at 20 lux, f/2, 30 ms and 5 dB, over full scale [1]."""
+"""Signal where brightness is not known: a white wall at 20 lux, f/2, 30 ms and 5 dB, over full scale [1]."""
 
 
 class FilmedCamera(Settings):
-    """What frames on disk do not say of the camera that took them."""
+    """Facts of a camera that its frames on disk do not state."""
 
     sensor: str = setting("unknown", help="The image sensor.")
     pixel_um: float = setting(help="Pitch of its photosites.", unit="um", gt=0)

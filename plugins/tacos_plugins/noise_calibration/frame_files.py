@@ -27,7 +27,7 @@ class FrameStack:
     planes: Mapping[str, Sequence[NDArray[Any]]]
     """For each channel its (F, H, W) uint8 or uint16 arrays; two for the green of a mosaic [DN]."""
     source: str
-    """Where the frames come from, for messages."""
+    """Origin of the frames, for messages."""
 
     @property
     def frames(self) -> int:

@@ -26,7 +26,7 @@ _OUTLIER_PROBABILITY = 1e-7
 
 @dataclass(frozen=True, eq=False)
 class Levels:
-    """What was measured of one channel, level by level, from dark to bright."""
+    """Measurements of one channel, level by level, from dark to bright."""
 
     mean_dn: NDArray[np.float64]
     """(L,) mean, pedestal included [DN]."""

@@ -136,7 +136,7 @@ def _unusable(where: str, levels: Levels, reason: str, *, same: bool) -> Fault:
 
 
 def pattern_share(measured: Measured) -> float:
-    """What is fixed from pixel to pixel over the signal, at the brightest third of the levels [1]."""
+    """Fixed pattern over the signal, at the brightest third of the levels [1]."""
     levels, used = measured.levels, measured.fit.used
     signal = (levels.mean_dn - measured.black_level_dn)[used]
     bright = signal >= signal.max() * 2 / 3
@@ -146,7 +146,7 @@ def pattern_share(measured: Measured) -> float:
 
 
 def doubts(stack: FrameStack, channels: tuple[Measured, ...]) -> list[str]:
-    """What a reader of the numbers should know, in sentences."""
+    """Doubts for readers of the numbers, in sentences."""
     sentences = []
     if stack.frames < FEW_FRAMES:
         sentences.append(

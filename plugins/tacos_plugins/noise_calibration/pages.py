@@ -1,4 +1,4 @@
-"""What the pages of both noise procedures share: pictures of frames, and figures with their intervals."""
+"""Shared parts of the pages of both noise procedures: pictures of frames, and figures with their intervals."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ class AffineFit:
     misfit: float
     """Reduced chi square: 1 where the line explains all but chance [1]."""
     bend: float
-    """How far a parabola departs from the line at the brightest level used, relative to its variance [1]."""
+    """Departure of a parabola from the line at the brightest level used, relative to its variance [1]."""
     bend_z: float
     """The same in standard errors [1]."""
     saturation_dn: float | None

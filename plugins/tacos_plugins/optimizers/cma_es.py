@@ -156,7 +156,7 @@ class CmaEs:
         return None
 
     def state(self) -> dict[str, Any]:
-        """What was observed so far, and the generator before the first draw, as JSON values."""
+        """The observations so far, and the generator before the first draw, as JSON values."""
         return {
             "rng": self._first_rng_state,
             "observed": [list(fitness) for fitness in self._observed],

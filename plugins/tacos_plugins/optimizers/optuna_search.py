@@ -196,7 +196,7 @@ class OptunaSearch:
 
     @property
     def _evaluated(self) -> int:
-        """How many candidates were asked and evaluated."""
+        """Number of candidates asked and evaluated."""
         return sum(entry["asked"] for entry in self._observed)
 
     def stop(self) -> str | None:
@@ -206,7 +206,7 @@ class OptunaSearch:
         return f"all {self.config.evaluations} candidates were evaluated"
 
     def state(self) -> dict[str, Any]:
-        """What was observed, the seed of the round in flight and the generator, as JSON values."""
+        """The observations, the seed of the round in flight and the generator, as JSON values."""
         return {
             "observed": list(self._observed),
             "round_seed": self._round_seed,

@@ -8,12 +8,12 @@ from typing import Literal
 import numpy as np
 
 MOST_DOUBLINGS = 6
-"""How often the population doubles; beyond, a generation would be a study of its own."""
+"""Doublings of the population; beyond, a generation would be a study of its own."""
 
 
 @dataclass(frozen=True)
 class Descent:
-    """How one descent starts."""
+    """Start of one descent."""
 
     population: int
     sigma: float

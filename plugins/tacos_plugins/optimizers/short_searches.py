@@ -1,4 +1,4 @@
-"""What is said of a search that ends before it has learnt anything."""
+"""Notes on searches that end before they have learnt anything."""
 
 from __future__ import annotations
 

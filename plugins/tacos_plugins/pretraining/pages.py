@@ -16,7 +16,7 @@ from tacos_report.palette import camera_colour
 
 @dataclass(frozen=True, eq=False)
 class PretrainingOutcome:
-    """What came out."""
+    """Outcome of a pre-training."""
 
     node: str
     use: str

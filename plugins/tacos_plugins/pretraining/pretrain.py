@@ -250,7 +250,7 @@ class Pretrain:
         return weights or dict(state)
 
     def _about(self, plan: Plan, node: str, seed: int, lines: Sequence[Mapping[str, Any]]) -> dict[str, str]:
-        """What made the weights, for the header of their file."""
+        """Origin of the weights, for the header of their file."""
         asked = self.config.model_dump(mode="json", exclude={"file"})
         settings = plan.nodes[node].config.model_dump(mode="json", by_alias=True)
         return {

@@ -1,4 +1,4 @@
-"""Which camera looks at what: worlds, and in each a few cameras of the design space."""
+"""Shots to train on: worlds, and in each a few cameras of the design space."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class TrainingShot:
     """Begins the names of the files its frames go to."""
 
     def files(self, folder: Path) -> list[Path]:
-        """Where its frames are kept, batch by batch."""
+        """Files of its frames, batch by batch."""
         return sorted(folder.glob(f"{self.stem}_*.npz"))
 
 
@@ -43,7 +43,7 @@ class Shooting:
     folder: str
 
     def run(self, simulation: Simulation) -> int:
-        """How many images were rendered."""
+        """Number of images rendered."""
         rendered = 0
         folder = Path(self.folder)
         for shot in self.shots:

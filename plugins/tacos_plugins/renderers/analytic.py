@@ -82,7 +82,7 @@ def first_hits(
     directions: NDArray[np.float64],
     near: float,
 ) -> tuple[NDArray[np.intp], NDArray[np.float64], NDArray[np.float64]]:
-    """What rays from one point meet first.
+    """First hits of rays from one point.
 
     - `corners_m`: (T, 3, 3) corners of triangles [m].
     - `origin_m`: (3,) where the rays start [m].

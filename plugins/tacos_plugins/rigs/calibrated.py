@@ -10,7 +10,7 @@ from tacos_plugins.rigs.optics import Optics
 
 
 def refuse_beside(calibration: CalibratedLens, variables: ReadOutVariables, *others: str) -> None:
-    """Whether a calibration is the only word on the lens, and of the images that are read out.
+    """Refuse other words on the lens beside a calibration, or one of other images than those read out.
 
     Raises `ValueError` with what to change.
     """

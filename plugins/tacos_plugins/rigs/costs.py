@@ -1,4 +1,4 @@
-"""What a camera costs besides light: time for a frame, data, power, mass and price."""
+"""Costs of a camera besides light: time for a frame, data, power, mass and price."""
 
 from __future__ import annotations
 

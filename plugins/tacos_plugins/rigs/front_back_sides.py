@@ -37,7 +37,7 @@ class FrontBackSidesRig:
         )
 
     class Variables(SeveralCamerasVariables):
-        """What a recipe may design or fix."""
+        """Variables that a recipe may design or fix."""
 
         front_hfov_deg: float = setting(
             help="Horizontal field of view of the camera ahead.", unit="deg", gt=0, lt=360
@@ -76,7 +76,7 @@ class FrontBackSidesRig:
         return found | ({"back_hfov_deg": variables.other_hfov_deg} if variables.back else {})
 
     def coordinates(self, variables: Variables) -> Mapping[str, float]:
-        """What images of the camera ahead depend on, which others there are, and what all have in view."""
+        """Coordinates of images of the camera ahead, the other cameras, and the view of all."""
         outlooks = self._outlooks(variables)
         return {
             **several_cameras.coordinates_of_first(outlooks, variables),
@@ -87,7 +87,7 @@ class FrontBackSidesRig:
         }
 
     def _outlooks(self, variables: Variables) -> list[Outlook]:
-        """Where the cameras look, that ahead first."""
+        """Directions of the cameras, that ahead first."""
         other_deg, side_deg = variables.other_hfov_deg, self.config.side_yaw_deg
         lens = variables.projected()
         looks = [Outlook("front", 0.0, variables.front_hfov_deg, lens)]

@@ -113,7 +113,7 @@ def derived_fit(lens: LensPart, sensor: SensorPart) -> dict[str, float]:
 
 
 def notes_on_fit(lens: LensPart, sensor: SensorPart) -> Iterator[str]:
-    """What somebody who buys the two should know."""
+    """Notes for buyers of the two."""
     if lens.projection == "fisheye" and lens.curve is None:
         yield f"Nobody states the projection of {lens.name}; it is simulated as equidistant."
     if lens.image_circle_mm is None and lens.curve is None:

@@ -46,7 +46,9 @@ class MonocularRig:
         """Settings of the rig."""
 
     class Variables(ReadOutVariables):
-        """What a recipe may design or fix; of focal length, lens, calibration and camera exactly one."""
+        """Variables that a recipe may design or fix; of focal length, lens, calibration and camera exactly
+        one.
+        """
 
         pitch_deg: float = setting(
             0.0,
@@ -125,11 +127,11 @@ class MonocularRig:
         return {**optics, **fit, **costs}
 
     def coordinates(self, variables: Variables) -> Mapping[str, float]:
-        """What images depend on; see :func:`tacos_plugins.rigs.mounted_camera.image_coordinates`."""
+        """Coordinates of images; see :func:`tacos_plugins.rigs.mounted_camera.image_coordinates`."""
         return image_coordinates(variables.read_out, _optics(variables), variables.pitch_deg)
 
     def notes(self, variables: Variables) -> Iterator[str]:
-        """What somebody who buys lens and sensor, or a whole camera, should know."""
+        """Notes for buyers of lens and sensor, or of a whole camera."""
         if variables.camera is not None:
             yield from notes_on_product(variables.camera)
         if variables.lens is not None:

@@ -142,7 +142,7 @@ def derived_optics(sensor: SensorPart, optics: Optics) -> dict[str, float]:
 
 
 def image_coordinates(sensor: SensorPart, optics: Optics, pitch_deg: float) -> dict[str, float]:
-    """What images of a camera depend on, as numbers along which they change evenly, by the pixels read out.
+    """Coordinates of images of a camera: numbers along which they change evenly, by the pixels read out.
 
     Angles say what is in view. Pixel counts and pitch count by their ratios: from 1 to 2 um changes noise as
     much as from 4 to 8 um. Shutter and filters are those that are simulated where nobody states them.

@@ -1,4 +1,4 @@
-"""What a lens does before a sensor: the part of a rig that fields of view follow from."""
+"""Optics of a lens before a sensor: the part of a rig that fields of view follow from."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Optics:
 
 
 def notes_on_circle(optics: Optics, sensor: SensorPart) -> Iterator[str]:
-    """How much of the image a lens leaves dark."""
+    """Note on the part of the image that a lens leaves dark."""
     share = optics.dark_share(sensor.width_mm, sensor.height_mm)
     if share > 0:
         circle_mm = 2 * optics.lens.image_circle * optics.focal_length_mm

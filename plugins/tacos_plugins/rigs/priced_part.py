@@ -10,7 +10,7 @@ from pydantic import model_validator
 from tacos_framework import CURRENCIES, CatalogPart, Settings, setting
 
 PRICE = "price_"
-"""How the column of a price begins; its currency follows."""
+"""Beginning of the column of a price; its currency follows."""
 
 _NO_PRICES = ("price_date",)
 

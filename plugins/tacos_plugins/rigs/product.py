@@ -94,7 +94,7 @@ def refuse_beside_product(variables: ReadOutVariables, *others: str) -> None:
 
 
 def notes_on_product(camera: ProductPart) -> Iterator[str]:
-    """What is simulated of a product as its maker states it, and what nobody states."""
+    """Notes on the stated and the unstated figures of a product."""
     if camera.f_number is None:
         yield f"Nobody states the f-number of {camera.name}: images are simulated at that of the scenario."
     else:

@@ -36,7 +36,7 @@ class RingRig:
         """Settings of the rig."""
 
     class Variables(SeveralCamerasVariables):
-        """What a recipe may design or fix."""
+        """Variables that a recipe may design or fix."""
 
         cameras: int = setting(help="Number of cameras.", ge=1, le=16)
         hfov_deg: float = setting(help="Horizontal field of view of each camera.", unit="deg", gt=0, lt=360)
@@ -67,7 +67,7 @@ class RingRig:
         return {**together, "first_yaw_deg": variables.first_yaw_deg}
 
     def coordinates(self, variables: Variables) -> Mapping[str, float]:
-        """What images of each camera depend on, how many there are, and where between two the agent looks.
+        """Coordinates of images of each camera, their number, and the agent's direction between two.
 
         A ring that is turned by its spacing is the same ring, so its turn counts as an angle of that circle.
         """

@@ -142,7 +142,7 @@ class SensorPart(PricedPart):
 
     @property
     def electrons(self) -> Electrons:
-        """What is known of its photosites in electrons."""
+        """Known figures of its photosites in electrons."""
         return Electrons(
             self.name,
             self.quantum_efficiency,

@@ -1,4 +1,4 @@
-"""What rigs of several cameras share: their settings, where the cameras sit, and what they cost together."""
+"""Shared parts of rigs of several cameras: settings, places and costs."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class SeveralCamerasConfig(MountSettings):
 
 
 class SeveralCamerasVariables(ReadOutVariables):
-    """What a recipe may design or fix of all cameras alike."""
+    """Variables that a recipe may design or fix of all cameras alike."""
 
     pitch_deg: float = setting(
         0.0,
@@ -51,7 +51,7 @@ class SeveralCamerasVariables(ReadOutVariables):
 
 @dataclass(frozen=True)
 class Outlook:
-    """Where one camera looks: its name, its turn to the left [deg], its horizontal field of view [deg].
+    """Direction of one camera: its name, its turn to the left [deg], its horizontal field of view [deg].
 
     Its lens has the projection of the rig's.
     """
@@ -107,7 +107,7 @@ def derived_together(outlooks: Sequence[Outlook], sensor: SensorPart) -> dict[st
 
 
 def coordinates_of_first(outlooks: Sequence[Outlook], variables: SeveralCamerasVariables) -> dict[str, float]:
-    """What images of the first camera depend on; see :func:`image_coordinates` of ``mounted_camera``."""
+    """Coordinates of images of the first camera; see :func:`image_coordinates` of ``mounted_camera``."""
     return image_coordinates(variables.read_out, outlooks[0].optics(variables.read_out), variables.pitch_deg)
 
 

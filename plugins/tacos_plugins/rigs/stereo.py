@@ -48,7 +48,7 @@ class StereoRig:
         """Settings of the rig."""
 
     class Variables(ReadOutVariables):
-        """What a recipe may design or fix; of field of view and focal length exactly one."""
+        """Variables that a recipe may design or fix; of field of view and focal length exactly one."""
 
         baseline_m: float = setting(
             help="Distance between the two optical centres.",
@@ -142,13 +142,13 @@ class StereoRig:
         return {**optics, **costs, "baseline_m": variables.baseline_m}
 
     def notes(self, variables: Variables) -> Iterator[str]:
-        """What somebody who buys a whole camera should know, and what of the images stays dark."""
+        """Notes for buyers of a whole camera, and on the dark part of images."""
         if variables.camera is not None:
             yield from notes_on_product(variables.camera)
         yield from notes_on_circle(_optics(variables), variables.read_out)
 
     def coordinates(self, variables: Variables) -> Mapping[str, float]:
-        """What images of either camera depend on, and the baseline, which counts by its ratios."""
+        """Coordinates of images of either camera, and the baseline, which counts by its ratios."""
         one = image_coordinates(variables.read_out, _optics(variables), variables.pitch_deg)
         return {"log2_baseline_m": math.log2(variables.baseline_m), **one}
 

@@ -160,7 +160,7 @@ class AffineNoise:
         return responsivity * self._file_scale * gain * lux_s
 
     def noise_levels(self, camera: Camera, gain_db: float) -> NoiseLevels:
-        """What the calibration becomes for a camera's photosites, its binning, and the scenario's gain."""
+        """Noise levels by the calibration for a camera's photosites, its binning, and the scenario's gain."""
         ratio = gain_ratio(
             gain_db,
             camera.pixel_um,

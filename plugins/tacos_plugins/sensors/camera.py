@@ -116,13 +116,13 @@ class CameraSensor(Emva):
         return None
 
     def photosite(self, camera: Camera) -> Photosite:
-        """What is known or assumed of a camera's photosites, at the sensor's temperature."""
+        """Known or assumed figures of a camera's photosites, at the sensor's temperature."""
         site = super().photosite(camera)
         warmer = 2 ** ((self.config.temperature_c - STATED_AT_C) / self.config.dark_doubling_c)
         return replace(site, dark_current_e_s=site.dark_current_e_s * warmer)
 
     def photosites(self, camera: Camera) -> float | NDArray[np.float64]:
-        """How many photosites are averaged into a sample: of a mosaic, as many as have the noise it has."""
+        """Number of photosites averaged into a sample: of a mosaic, as many as have the noise it has."""
         if self.config.channels == "by-part" and camera.colour != "mono" and camera.simulated_binning > 1:
             return camera.sensor_binning**2 / np.array(averaged_variances(camera.simulated_binning))
         return camera.binning**2

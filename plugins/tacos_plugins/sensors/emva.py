@@ -19,7 +19,7 @@ NEEDED: Mapping[str, str] = {
     "read_noise_e": "noise without light, in electrons",
     "dark_current_e_s": "electrons per second without light",
 }
-"""What the model must know of a photosite: the columns of a catalog, and the settings that stand in."""
+"""Figures of a photosite that the model needs: the columns of a catalog, and the settings that stand in."""
 
 
 @dataclass(frozen=True)
@@ -193,7 +193,7 @@ class Emva:
         return self.config.channels == "mono"
 
     def photosites(self, camera: Camera) -> float | NDArray[np.float64]:
-        """How many photosites are averaged into a sample; an array where it differs by channel [1]."""
+        """Number of photosites averaged into a sample; an array where it differs by channel [1]."""
         return camera.binning**2
 
     def dn_per_electron(self, camera: Camera, exposure: Exposure) -> float | None:
@@ -201,7 +201,7 @@ class Emva:
         return self.gain_dn_per_e(camera, exposure)
 
     def lacks(self, rig: Rig) -> str | None:
-        """What is not known of a rig's image sensors, in a sentence; None where all is known."""
+        """Unknown figures of a rig's image sensors, in a sentence; None where all is known."""
         for camera in rig.cameras:
             try:
                 self.photosite(camera)
@@ -210,7 +210,7 @@ class Emva:
         return None
 
     def photosite(self, camera: Camera) -> Photosite:
-        """What is known of a camera's photosites: by the catalog, else by the settings.
+        """Known figures of a camera's photosites: by the catalog, else by the settings.
 
         Raises `CandidateFailed` when something is known by neither; says what, for which image sensor.
         """

@@ -35,7 +35,7 @@ class FigurePrior:
     spread: float
     """Standard deviation of f(y) [1]."""
     sensors: int
-    """How many sensors it was fitted to [1]."""
+    """Number of sensors it was fitted to [1]."""
     is_share: bool = False
     """True if f is the logit rather than the logarithm."""
 
@@ -81,7 +81,7 @@ def assumed(figure: str, *, sensor: str, pixel_um: float, draw: Draw) -> float:
 
 @lru_cache(maxsize=4096)
 def deviate(figure: str, *, sensor: str, draw: Draw) -> float:
-    """How many standard deviations above the middle of its prior a figure is drawn [1]."""
+    """Place of a drawn figure in its prior, in standard deviations above the middle [1]."""
     if draw == (0,):
         return 0.0
     seed, *names = draw

@@ -34,7 +34,7 @@ MOST_COMBINATIONS = 256
 """Up to so many combinations of choices have as many candidates each; more are mixed, as they can be had."""
 
 ATTEMPTS = 8
-"""How many times as many candidates are drawn as are wanted, at most, where few keep the constraints."""
+"""Most candidates drawn per candidate wanted, where few keep the constraints."""
 
 MOST_VALUES = 32
 """Whole numbers with more values are drawn from their range, as if they were continuous, and rounded."""

@@ -1,4 +1,4 @@
-"""What scores depend on, as rows of numbers between 0 and 1."""
+"""Coordinates of scores, as rows of numbers between 0 and 1."""
 
 from __future__ import annotations
 

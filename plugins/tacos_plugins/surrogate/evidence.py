@@ -1,4 +1,4 @@
-"""Which hyperparameters explain observations best: marginal likelihood, with weak priors."""
+"""Hyperparameters that explain observations best: marginal likelihood, with weak priors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is known of the fitness at points that need never have been simulated."""
+"""Posterior of the fitness at points that need never have been simulated."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class FitnessPosterior:
     models: Mapping[str, ScoreModel]
     """A model of each score, by name."""
     predictions: Mapping[str, Prediction]
-    """What each says of its values at the points."""
+    """Prediction of each at the points."""
     count: int
 
     @classmethod

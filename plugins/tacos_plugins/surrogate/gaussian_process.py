@@ -16,12 +16,12 @@ MEAN_VARIANCE = 1.0
 """Variance of the unknown mean of all, in variances of the observed values, which have been centred."""
 
 JITTERS = (0.0, 1e-10, 1e-8, 1e-6, 1e-4)
-"""What is added to the diagonal, in variances of the signal, until a factorisation succeeds."""
+"""Additions to the diagonal, in variances of the signal, until a factorisation succeeds."""
 
 
 @dataclass(frozen=True, eq=False)
 class Inputs:
-    """Where observations were made."""
+    """Places of observations."""
 
     points: Array
     """(n, d) coordinates, each scaled to about 0..1; NaN where one is not known."""
@@ -50,7 +50,7 @@ class GaussianProcess:
     """
 
     inputs: Inputs
-    """Where observations were made."""
+    """Places of observations."""
     values: Array
     """(n,) what was observed, centred and of unit variance."""
     hyperparameters: Hyperparameters
@@ -75,7 +75,7 @@ class GaussianProcess:
         return 0.0 if self.inputs.times is None else float(self.inputs.times.max())
 
     def at(self, points: Array) -> Prediction:
-        """What is known at (m, d) points."""
+        """Prediction at (m, d) points."""
         from scipy.linalg import solve_triangular  # late: as above
 
         h = self.hyperparameters
@@ -95,7 +95,7 @@ class GaussianProcess:
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """What is known of the values at points."""
+    """Posterior of the values at points."""
 
     process: GaussianProcess
     points: Array
@@ -115,7 +115,7 @@ class Prediction:
         return self.process.prior(self.points, self.points) - self.explained.T @ self.explained
 
     def having_seen(self, index: int) -> Prediction:
-        """What would be known once the point of this number is observed in a new scene, at its mean."""
+        """Prediction once the point of this number is observed in a new scene, at its mean."""
         prior = self.process.prior(self.points, self.points[index : index + 1])[:, 0]
         covariances = prior - self.explained.T @ self.explained[:, index]
         h = self.process.hyperparameters

@@ -24,9 +24,9 @@ class Observation:
     """Scores of a camera in one scene."""
 
     coordinates: Mapping[str, float]
-    """What images depend on, by name; finite numbers. One that is not known is left out."""
+    """Coordinates of its images, by name; finite numbers. One that is not known is left out."""
     episode: Hashable
-    """Which scene; observations of equal ones share its effect. None where it is not known."""
+    """The scene; observations of equal ones share its effect. None where it is not known."""
     scores: Mapping[str, float]
     """By ``node.score``, or ``scenario/node.score`` where there are several scenarios. A score without
     meaning in this scene is left out.
@@ -117,7 +117,7 @@ class GreyBox:
         return {name: model.process.hyperparameters for name, model in self.models.items()}
 
     def posterior(self, points: Sequence[Mapping[str, float]]) -> FitnessPosterior:
-        """What is known of the fitness at points, averaged over scenes."""
+        """Posterior of the fitness at points, averaged over scenes."""
         return self.posterior_at(self.system.rows(points))
 
     def posterior_at(self, rows: Array) -> FitnessPosterior:
@@ -134,7 +134,7 @@ def _numbered(episodes: Sequence[Hashable]) -> NDArray[np.int64]:
 
 
 def _columns(system: CoordinateSystem, wanted: Sequence[str] | None, drift: str | None) -> NDArray[np.int64]:
-    """Which coordinates a score depends on: those it names, where there are any of them, or all."""
+    """Coordinates of a score: those it names, where there are any of them, or all."""
     named = [i for i, name in enumerate(system.names) if wanted is None or name in wanted]
     kept = named or range(len(system.names))
     return np.array([i for i in kept if system.names[i] != drift], dtype=np.int64)

@@ -32,17 +32,17 @@ class Hyperparameters:
     length_scales: tuple[float, ...]
     """One for each coordinate [ranges of the coordinate]."""
     signal: float = 1.0
-    """What points have of their own, whatever the scene [standard deviations]."""
+    """Variation of points, whatever the scene [standard deviations]."""
     episode: float = 0.2
-    """What a scene adds to all points alike."""
+    """Effect of a scene on all points alike."""
     interaction: float = 0.2
-    """What a scene adds to a point, and similarly to points near it."""
+    """Effect of a scene on a point, and similarly on points near it."""
     noise: float = 0.1
-    """What comes out otherwise when the same is observed again."""
+    """Scatter of repeated observations."""
     drift: float = 0.0
-    """What time adds to all points alike."""
+    """Effect of time on all points alike."""
     counting: float = 0.0
-    """What comes out otherwise because few are counted; known beforehand, and no part of the mean score."""
+    """Scatter because few are counted; known beforehand, and no part of the mean score."""
 
     @property
     def within_episodes(self) -> float:

@@ -13,7 +13,7 @@ from tacos_framework import ScoreScale
 Array = NDArray[np.float64]
 
 SHARE_MARGIN = 0.02
-"""How far shares of 0 and 1 are drawn inside before their logit is taken, which is then +-3.9.
+"""Distance by which shares of 0 and 1 are drawn inside before their logit is taken, which is then +-3.9.
 
 Shares of a scene are counts of few (three thresholds, twenty objects): 0 stands for fewer than one in some
 tens.

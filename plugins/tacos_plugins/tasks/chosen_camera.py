@@ -1,4 +1,4 @@
-"""Which camera of a rig a task of one camera looks through."""
+"""The camera of a rig that a task of one camera looks through."""
 
 from __future__ import annotations
 

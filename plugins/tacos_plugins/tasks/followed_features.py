@@ -38,7 +38,7 @@ class Features:
 
 @dataclass(frozen=True)
 class FollowedFeatures:
-    """How a pair of frames did."""
+    """Counts of a pair of frames."""
 
     extracted: float
     """Features of a frame, the mean of both [1]."""
@@ -124,7 +124,7 @@ def follow(
 
 
 def _agreeing_rays(first: NDArray[np.float64], second: NDArray[np.float64], consensus: Any) -> int:
-    """How many pairs of (M, 3) rays agree with one rigid motion of a camera.
+    """Number of pairs of (M, 3) rays that agree with one rigid motion of a camera.
 
     The motion is sought where both look far enough ahead for a flat image. All count whose angle to their
     epipolar plane, either way, is at most the threshold on the axis.

@@ -1,4 +1,4 @@
-"""Whether, and how early, obstacles come into sight before the agent steps on them."""
+"""Sight of obstacles before the agent steps on them."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ import numpy as np
 from tacos_framework import Crossing, FrameBatch, Scores, ScoreScale, Settings, State, View, setting
 
 VIEW = ("pitch_deg", "hfov_deg", "vfov_deg", "log2_width_px", "log2_height_px")
-"""What a camera has in view, and over how many pixels; light and noise hide no obstacle."""
+"""Dependences of the scores: view and pixels; light and noise hide no obstacle."""
 
 
 class ObstacleVisibility:
-    """Which obstacles on the agent's path were seen before they were stepped on, and how early and how well.
+    """Obstacles on the agent's path seen before they were stepped on: how many, how early, how well.
 
     An obstacle is seen when, in any frame of the same walk taken before the agent steps on it, enough of its
     pixels are visible in any camera of the rig. Visibility is that of the rendered ids, as in the paper;
@@ -93,7 +93,7 @@ class ObstacleVisibility:
 
 @dataclass(frozen=True)
 class Sighting:
-    """What a frame shows of the obstacles."""
+    """Obstacles in a frame."""
 
     time_s: float
     """Its time [s]."""
@@ -145,7 +145,9 @@ class ObstacleScorer:
         )
 
     def _in_sight(self, crossing: Crossing, walk: Iterable[Sighting]) -> float | None:
-        """How well an obstacle was in sight shortly before the step, in 0..1; None where no frame says."""
+        """Degree to which an obstacle was in sight shortly before the step, in 0..1; None where no frame
+        says.
+        """
         shares = [
             min(1.0, sighting.photosites[crossing.object_id] / self._config.enough_pixels)
             for sighting in _within(walk, crossing.time_s, self._config.horizon_s)
@@ -156,7 +158,7 @@ class ObstacleScorer:
 def _most_photosites(
     views: Sequence[View], frame: int, obstacles: Sequence[int], *, within_m: float | None
 ) -> tuple[dict[int, float], dict[int, float]]:
-    """How many photosites each obstacle covers in the view that shows most of it: all, and those near."""
+    """Number of photosites each obstacle covers in the view that shows most of it: all, and those near."""
     most, most_near = dict.fromkeys(obstacles, 0.0), dict.fromkeys(obstacles, 0.0)
     if not obstacles:
         return most, most_near

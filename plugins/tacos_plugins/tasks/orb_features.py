@@ -1,4 +1,4 @@
-"""How well features can be followed from frame to frame."""
+"""Features followed from frame to frame."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ TIME_TOLERANCE_S = 1e-6
 
 
 CANDIDATES = 6
-"""Where features are shared out among cells, so many times as many are looked for in the whole image."""
+"""Features looked for in the whole image per feature wanted, where they are shared out among cells."""
 
 Cells = Annotated[int, Field(ge=1, le=64)]
 Scaled = Literal["features", "levels", "patch_px", "border_px", "ransac_threshold_px"]
@@ -150,7 +150,7 @@ class OrbFeatures:
 
 @dataclass(frozen=True)
 class Scale:
-    """What is counted in pixels, for the image as it is."""
+    """Settings counted in pixels, for the image as it is."""
 
     features: int
     """Features kept per frame [1]."""

@@ -107,7 +107,7 @@ class SgbmScorer:
 
 
 def searched_disparities(pair: StereoPair, *, nearest_m: float, max_disparity: int) -> int:
-    """How many disparities to search, a multiple of 16 [px].
+    """Number of disparities to search, a multiple of 16 [px].
 
     Examples
     --------

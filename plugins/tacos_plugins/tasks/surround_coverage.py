@@ -1,4 +1,4 @@
-"""What a rig of any number of cameras has in view around the agent."""
+"""View of a rig of any number of cameras around the agent."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _DIRECTIONS = 4000
 
 
 class SurroundCoverage:
-    """How much around the agent the cameras of a rig see together, and the things they see well.
+    """View of the cameras of a rig together around the agent, and the things they see well.
 
     ``covered``
         Share of all directions within `elevation_deg` of the horizon that some camera has in view, with at

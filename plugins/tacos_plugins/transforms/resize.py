@@ -128,7 +128,7 @@ def resized_camera(camera: Camera, pixels: float) -> Camera:
 
 
 def _resized_view(view: View, pixels: float) -> View:
-    """What the larger pixels face: mean light, and the truth at their centres."""
+    """View of the larger pixels: mean light, and the truth at their centres."""
     height_px, width_px = shape = _shape(view.camera, pixels)
     at_centre = np.ix_(
         np.arange(len(view.depth_m)),

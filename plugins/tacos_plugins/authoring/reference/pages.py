@@ -38,7 +38,7 @@ _BOUNDS = {"exclusiveMinimum": "> {}", "minimum": "≥ {}", "exclusiveMaximum": 
 
 
 def type_of(schema: Schema) -> str:
-    """What a setting takes, in words, from its JSON Schema.
+    """The values of a setting in words, from its JSON Schema.
 
     Examples
     --------
@@ -172,7 +172,7 @@ def settings_page(components: Iterable[Component]) -> str:
 
 
 def component_page(component: Component) -> Iterator[str]:
-    """What a component takes, gives and is set by: heading, facts and tables."""
+    """Ports, output and settings of a component: heading, facts and tables."""
     yield f"## {component.use}"
     yield component.summary
     if facts := facts_of(component):
@@ -301,7 +301,7 @@ def pages() -> dict[str, Callable[[], str]]:
 
 
 def pages_of_the_site() -> dict[str, Callable[[], str]]:
-    """What writes each page that the site alone has, by its title; `tacos settings` prints the same."""
+    """Writers of the pages that the site alone has, by its title; `tacos settings` prints the same."""
     return {
         "Keys of a recipe": recipe_page,
         "Settings of the components": lambda: settings_page(default_components()),

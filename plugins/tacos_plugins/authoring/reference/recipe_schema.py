@@ -194,7 +194,7 @@ def _where_use_is(use: str, then: Schema) -> Schema:
 
 
 def _designs_of(cls: type[Any], use: str) -> Schema:
-    """What may be designed and bounded with one rig."""
+    """The variables and quantities of one rig."""
     variables = {
         name: {"$ref": "#/$defs/Design", "description": described.get("description", "")}
         for name, described in _model_schema(cls.Variables, "{model}")["properties"].items()

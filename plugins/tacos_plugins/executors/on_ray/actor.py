@@ -1,4 +1,4 @@
-"""What runs inside a Ray worker. Imports little, so that it starts fast."""
+"""The code inside a Ray worker. Imports little, so that it starts fast."""
 
 from __future__ import annotations
 

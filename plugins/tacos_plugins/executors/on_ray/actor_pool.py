@@ -16,7 +16,7 @@ from tacos_plugins.executors.on_ray.cluster import Cluster, Needs
 log = logging.getLogger(__name__)
 
 PATIENCE_S = 30.0
-"""How long nothing may happen before it is looked at what is waited for [s]."""
+"""Interval after which a silent job is looked at [s]."""
 
 STARTS = 3
 """Workers in a row that end before they are ready, after which the reason is not a lost node."""
@@ -133,7 +133,7 @@ class ActorPool(JobPool[_Member]):
 
 
 def _how(error: Exception) -> str:
-    """How a worker was lost, in a few words out of Ray's many.
+    """The loss of a worker, in a few words out of Ray's many.
 
     Examples
     --------

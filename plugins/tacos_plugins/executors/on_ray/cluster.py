@@ -21,7 +21,7 @@ log = logging.getLogger(__name__)
 LOCAL = "local"
 LOOPBACK = "127.0.0.1"
 ANSWER_S = 5.0
-"""How long a cluster has to accept a connection [s]."""
+"""Time for a cluster to accept a connection [s]."""
 
 STORE_BYTES = 256 * 2**20
 """Shared memory for results on their way, in a cluster of our own; what does not fit goes to disk."""
@@ -40,7 +40,7 @@ _OWN = {
 
 @dataclass(frozen=True)
 class Needs:
-    """What one worker takes up: processors and GPUs, which may be shares of one."""
+    """Resources of one worker: processors and GPUs, which may be shares of one."""
 
     cpus: float
     gpus: float
@@ -50,7 +50,7 @@ class Needs:
         return f"{self.cpus:g} CPU{gpus}"
 
     def fits_into(self, node: Mapping[str, float]) -> int:
-        """How many workers a node with these resources holds.
+        """Number of workers that a node with these resources holds.
 
         Examples
         --------
@@ -96,7 +96,7 @@ class Cluster:
             log.warning("ray was imported before, so its cluster here listens on %s too", seen_at)
 
     def room_for(self, needs: Needs) -> int:
-        """How many workers all nodes hold that are alive.
+        """Number of workers that all living nodes hold.
 
         Raises `UserError` when none holds a single one.
         """

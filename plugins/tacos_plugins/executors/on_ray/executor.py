@@ -76,7 +76,7 @@ class RayExecutor(PoolExecutor):
 
     @property
     def workers(self) -> int:
-        """How many workers there are at most; joins the cluster to see.
+        """Largest number of workers; joins the cluster to see.
 
         Raises `UserError` when no cluster answers, or it has no room for a worker.
         """

@@ -1,4 +1,4 @@
-"""Which candidates are worth their images."""
+"""Value of evaluating candidates."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which episodes a candidate is scored on: few, by turns."""
+"""Episodes to score a candidate on: few, by turns."""
 
 from __future__ import annotations
 

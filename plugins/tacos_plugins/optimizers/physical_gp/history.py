@@ -1,4 +1,4 @@
-"""What was observed, as it is kept and as the model takes it."""
+"""Observations, as they are kept and as the model takes them."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def scores_known(trials: Sequence[Trial]) -> bool:
 def observations(
     trial: Trial, coordinates: Mapping[str, float], problem: DesignProblem | None, by_score: bool
 ) -> list[Observation]:
-    """What a trial tells the model, at its coordinates.
+    """Observations of a trial for the model, at its coordinates.
 
     `problem`: whether episodes are renewed and weights learn. `by_score`: whether to take the scores of its
     episodes, or its fitness alone.

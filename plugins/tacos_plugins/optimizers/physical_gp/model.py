@@ -54,7 +54,7 @@ class Fitted:
 
 @dataclass(frozen=True, eq=False)
 class SearchModel:
-    """What is known after some trials."""
+    """The model after some trials."""
 
     grey_box: GreyBox
     viability: Viability

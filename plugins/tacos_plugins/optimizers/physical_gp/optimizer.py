@@ -196,7 +196,7 @@ class PhysicalGp:
         return int(np.argmax(grey_box.posterior(where).mean))
 
     def state(self) -> dict[str, Any]:
-        """What was observed, the last fit, and seeds, as JSON values."""
+        """The observations, the last fit, and seeds, as JSON values."""
         return {
             "trials": [trial.as_json() for trial in self._trials],
             "rounds": self._rounds,

@@ -47,7 +47,7 @@ class Located:
 
 
 class Pool:
-    """Where a search takes its candidates from.
+    """The candidates a search chooses from.
 
     - `feasible`: what keeps all constraints.
     - `seed`: of the candidates that are compared in all rounds.
@@ -83,7 +83,7 @@ class Pool:
         return self._located(self.feasible.around(centres, count, step, rng))
 
     def coordinates(self, genes: Genes) -> Mapping[str, float]:
-        """What images of a candidate depend on."""
+        """The coordinates that images of a candidate depend on."""
         if genes not in self._coordinates:
             self._coordinates[genes] = self.feasible.coordinates(self.feasible.space.decode(genes))
         return self._coordinates[genes]

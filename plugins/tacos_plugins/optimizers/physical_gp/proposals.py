@@ -38,7 +38,7 @@ APART = 0.05
 
 @dataclass(frozen=True)
 class Proposal:
-    """What to ask next."""
+    """The candidates to ask next."""
 
     candidates: tuple[Candidate, ...]
     gain: float
@@ -100,7 +100,7 @@ class Assessed:
 
     @classmethod
     def of(cls, model: SearchModel, located: Located) -> Assessed:
-        """What a model says of these."""
+        """The model's view of these."""
         return cls(located, model.grey_box.posterior_at(located.rows), model.viability.chances(located.rows))
 
     @property

@@ -1,4 +1,4 @@
-"""Which candidates can be evaluated at all, from those that failed."""
+"""Probability that a candidate can be evaluated, from those that failed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the policy acts on: cameras that are changed step by step, as points of a unit cube."""
+"""Environment of the policy: cameras that are changed step by step, as points of a unit cube."""
 
 from __future__ import annotations
 

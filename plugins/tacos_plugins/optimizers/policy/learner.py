@@ -20,12 +20,12 @@ from stable_baselines3.common.type_aliases import RolloutBufferSamples
 from stable_baselines3.common.vec_env import DummyVecEnv
 
 _KEPT = ("observations", "actions", "rewards", "episode_starts", "values", "log_probs")
-"""What a rollout under way consists of."""
+"""Arrays of a rollout under way."""
 
 
 @dataclass(frozen=True, eq=False)
 class Acted:
-    """What the policy did, for each camera."""
+    """Actions of the policy, one for each camera."""
 
     observations: NDArray[np.float32]
     """(count, genes) float32 what it saw."""

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from tacos_plugins.renderers.light.rays import RayTracer
 
 REACH_M = 0.5
-"""How far away things still darken the indirect light of a point [m]."""
+"""Distance up to which things darken the indirect light of a point [m]."""
 
 _RAYS = 24
 _BURIED_SHARE = 0.3  # of rays that meet backs: such a point lies inside something

@@ -48,7 +48,7 @@ class SurfaceLight:
 
 @dataclass(frozen=True, eq=False)
 class BakedMesh:
-    """What is drawn of a world, camera or no camera."""
+    """A world ready to be drawn, whatever the camera."""
 
     mesh: FlatMesh
     """Triangles in the order of the chunks; vertices of light-mapped surfaces are not shared with others."""
@@ -245,7 +245,7 @@ def _reflect(
     normal: NDArray[np.float32],
     frame: NDArray[np.float32],
 ) -> SurfaceLight:
-    """What points of materials send back of their direct and indirect light.
+    """Light that points of materials send back of their direct and indirect light.
 
     Indirect light is taken to come from the whole hemisphere alike: its mean direction is half the normal.
     For light of mean direction d (length 1 for a small source, 0 for light from everywhere) the irradiance on

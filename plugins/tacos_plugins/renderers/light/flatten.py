@@ -70,7 +70,7 @@ class Chunks:
 
 
 class SurfaceKind(IntFlag):
-    """What the shader of a surface has to do: the less, the faster it is drawn."""
+    """Work of the shader of a surface: the less, the faster it is drawn."""
 
     MAPPED = 1  # lit by the light map, not per vertex
     TEXTURED = 2

@@ -23,7 +23,7 @@ PROBE_SCALE = 0.5 * (LAYER_PX - 2) / LAYER_PX
 """From octahedral coordinates -1..1 to texture coordinates around 0.5 [1]."""
 
 BRIGHTEST = float(np.finfo(np.float16).max)
-"""What textures of light hold at most; the skin of a lamp may be brighter, and would turn to infinity."""
+"""Largest value in textures of light; the skin of a lamp may be brighter, and would turn to infinity."""
 
 _ROUGHNESS_STEP = 0.1
 _SAMPLES = 64

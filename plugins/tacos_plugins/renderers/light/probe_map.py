@@ -1,4 +1,4 @@
-"""Which reflection probes each place mirrors: a map from above, with smooth passages between rooms."""
+"""Reflection probes that each place mirrors: a map from above, with smooth passages between rooms."""
 
 from __future__ import annotations
 

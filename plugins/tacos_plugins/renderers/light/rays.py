@@ -1,4 +1,4 @@
-"""Which light is blocked by what: rays against a mesh, traced by Embree on the CPU."""
+"""Shadows: rays against a mesh, traced by Embree on the CPU."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, eq=False)
 class RayHits:
-    """Where rays first meet the mesh."""
+    """First hits of rays with the mesh."""
 
     triangle: NDArray[np.int32]
     """(N,) int32; -1 where nothing is met."""
@@ -49,7 +49,7 @@ class RayTracer:
     def first_hits(
         self, origin_m: NDArray[np.float32], direction: NDArray[np.float32], reach: float
     ) -> RayHits:
-        """What (N, 3) rays meet first, no farther than `reach` lengths of their direction."""
+        """First hits of (N, 3) rays, no farther than `reach` lengths of their direction."""
         count = len(origin_m)
         if self._empty or count == 0:
             return RayHits(

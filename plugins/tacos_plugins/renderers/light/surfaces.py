@@ -1,4 +1,4 @@
-"""Which triangles make up one smooth surface, and which parts are closed."""
+"""Smooth surfaces made up of triangles, and closed parts."""
 
 from __future__ import annotations
 

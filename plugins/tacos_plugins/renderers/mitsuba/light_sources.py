@@ -1,4 +1,4 @@
-"""What shines: glowing surfaces, lights that no surface shows, and what lies beyond the geometry."""
+"""Light sources: glowing surfaces, lights that no surface shows, and what lies beyond the geometry."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def area_emitter(luminance_cd_m2: NDArray[Any], area_m2: float) -> Description:
 
 
 def surroundings(mitsuba: ModuleType, world: World) -> Description | None:
-    """What lies beyond the geometry, where it shines at all: a panorama as it is seen, or even light."""
+    """Light from beyond the geometry, where there is any: a panorama as it is seen, or even light."""
     sky = world.sky_cd_m2
     if sky is not None:
         return _panorama(mitsuba, sky) if sky.any() else None

@@ -20,14 +20,14 @@ from tacos_framework.camera import LINEAR_OF_SRGB_BYTE
 from tacos_plugins.renderers.traced.coat import sheen
 
 Description = dict[str, Any]
-"""What `mitsuba.load_dict` takes."""
+"""Argument of `mitsuba.load_dict`."""
 
 _LEAST_ALPHA = 0.01
 _COAT_INDEX = 1.5
 
 
 def bsdf(mitsuba: ModuleType, material: Material) -> Description:
-    """How a material reflects, from both of its sides alike."""
+    """Reflection of a material, from both of its sides alike."""
     colour = _loaded_colour(mitsuba, material)
     alpha = max(material.roughness**2, _LEAST_ALPHA)
     dielectric = _blend(

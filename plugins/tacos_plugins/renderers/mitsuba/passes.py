@@ -1,4 +1,4 @@
-"""How many paths a pixel is given, and in how many goes."""
+"""Number of paths of a pixel, and of passes."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ _owner_pid = 0
 
 @dataclass(frozen=True)
 class GlInfo:
-    """What renders: the strings OpenGL gives, and whether it is a CPU that does the work."""
+    """The OpenGL in use: its strings, and its device, GPU or CPU."""
 
     renderer: str
     vendor: str
@@ -67,7 +67,7 @@ def gl_context() -> moderngl.Context:
 
 
 def describe_gl() -> GlInfo:
-    """What would render in this process. Makes the context if there is none, and raises as it does."""
+    """The OpenGL of this process. Makes the context if there is none, and raises as it does."""
     return _info_of(gl_context())
 
 

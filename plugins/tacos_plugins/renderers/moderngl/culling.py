@@ -1,4 +1,4 @@
-"""What of a world a camera may see: chunks inside its frustum, as draw commands."""
+"""Parts of a world that a camera may see: chunks inside its frustum, as draw commands."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def frustum_planes(clip_from_world: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def looked_up(of_surface: NDArray[np.int32], surface: NDArray[np.float32]) -> NDArray[np.int32]:
-    """What stands in a table for each pixel of an image of surface numbers, of which few pixels differ."""
+    """Entries of a table at each pixel of an image of surface numbers, of which few pixels differ."""
     flat = surface.reshape(-1)
     start = np.concatenate([[0], np.flatnonzero(flat[1:] != flat[:-1]) + 1])
     length = np.diff(start, append=len(flat))

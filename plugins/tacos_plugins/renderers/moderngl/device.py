@@ -1,4 +1,4 @@
-"""What lives as long as the process: shaders, framebuffers, and the worlds used last."""
+"""Objects that live as long as the process: shaders, framebuffers, and the worlds used last."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Device:
         return self.painters.get((world.key, texel_m), lambda: self._prepare(world, texel_m))
 
     def blending_edges(self, camera: Camera, near_m: float) -> EdgeBlending:
-        """What takes pictures with edges blended: by loops where OpenGL is software."""
+        """The photographer that blends edges: by loops where OpenGL is software."""
         return EdgeBlending(self.targets, camera, near_m, by_loops=self.is_software)
 
     def _prepare(self, world: World, texel_m: float) -> Painter:
@@ -79,7 +79,7 @@ class Device:
     def _look_around(
         self, painter: Painter, world: World, lit: BakedMesh
     ) -> tuple[tuple[Probe, ...], ProbeMap]:
-        """What is around glossy surfaces for them to mirror, and which of it each place mirrors.
+        """Surroundings for glossy surfaces to mirror, and the part that each place mirrors.
 
         Metals would be black otherwise.
         """

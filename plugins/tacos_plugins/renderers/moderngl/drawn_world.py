@@ -52,7 +52,7 @@ class DrawnWorld:
 
     @cached_property
     def by_gl(self) -> GlDrawing:
-        """What OpenGL draws it with."""
+        """Its drawing by OpenGL."""
         assert self._source is not None
         drawing = GlDrawing(self._programs, GpuWorld(self._programs.context, *self._source))
         if self._probes is not None:
@@ -61,7 +61,7 @@ class DrawnWorld:
 
     @cached_property
     def by_loops(self) -> DeferredShading:
-        """What loops shade it with."""
+        """Its shading by loops."""
         assert self._source is not None
         tables = ShadingTables(*self._source)
         if self._probes is not None:

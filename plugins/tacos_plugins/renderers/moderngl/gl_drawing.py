@@ -46,7 +46,7 @@ class Programs:
 
 
 class GlDrawing:
-    """What OpenGL draws one world with.
+    """Drawing of one world by OpenGL.
 
     - `world`: the uploaded world, owned from now on.
     """

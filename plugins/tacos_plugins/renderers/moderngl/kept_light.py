@@ -1,4 +1,4 @@
-"""What lighting a world gives, kept on disk: it follows from the world, how fine it is, and what renders."""
+"""Light of worlds, kept on disk by world, fineness and renderer."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from tacos_plugins.renderers.moderngl.context import describe_gl
 Made = TypeVar("Made")
 
 CLASSES: Sequence[type[Any]] = (BakedMesh, FlatMesh, Chunks, SurfaceLight, Probe, ProbeMap)
-"""What light consists of."""
+"""Classes that light consists of."""
 
 
 def kept(what: str, world: World, texel_m: float, make: Callable[[], Made]) -> Made:
-    """What was made of a world before, in whatever process, or else what `make` gives.
+    """The light made of a world before, in whatever process, or else that of `make`.
 
     `texel_m`: distance of light map texels [m]. `make`: makes it of `CLASSES`, tuples and arrays.
     """

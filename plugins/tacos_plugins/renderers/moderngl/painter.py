@@ -98,7 +98,7 @@ class Painter:
         return found
 
     def _to_see(self, view: Viewpoint, chunks: NDArray[np.intp]) -> DrawList:
-        """What is to be drawn of some chunks to know what is seen."""
+        """Draw list of some chunks, to know what is seen."""
         return self.world.culling.draw_list(chunks, view.eye_m, SurfaceKind.CLOSED)
 
     def viewpoint(self, camera: Camera, world_from_camera: NDArray[np.float64], near_m: float) -> Viewpoint:

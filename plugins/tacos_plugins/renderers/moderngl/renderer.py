@@ -20,7 +20,7 @@ from tacos_plugins.renderers.moderngl.resample import Resampling
 Number = TypeVar("Number", np.float32, np.int32)
 
 Shot = tuple[Painter, NDArray[np.float64]]
-"""What draws the world as it is at a moment, and the (4, 4) camera pose then [m]."""
+"""Painter of the world at a moment, and the (4, 4) camera pose then [m]."""
 
 
 class ModernglRenderer:

@@ -118,7 +118,7 @@ class Resampling:
 
 
 def fineness(camera: Camera, rotation: NDArray[np.float64], edge_px: int) -> NDArray[np.float64]:
-    """How many pixels of a cube map go into one of a camera, along one edge, all over its image.
+    """Number of pixels of a cube map in one of a camera, along one edge, all over its image.
 
     A pinhole camera of focal length f [px] turns by ``cos(a)^2 / f`` from pixel to pixel at an angle a off
     its axis, and so does a face with its focal length of ``edge_px / 2``.

@@ -17,7 +17,7 @@ _MOST_BUFFERS = 8  # those of two cameras
 
 
 class RenderTarget:
-    """What one size of image is rendered into: floats with depth test, one or several samples a pixel.
+    """Framebuffer of one size of image: floats with depth test, one or several samples a pixel.
 
     - `size`: width and height [px].
     - `channels`: 1, 2 or 4 floats per pixel [1].

@@ -1,4 +1,4 @@
-"""What lies behind all that is drawn."""
+"""Background behind all that is drawn."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What of an image of half pixels is known to be covered, so that what lies behind can be passed over.
+"""Covered parts of an image of half pixels, behind which nothing need be drawn.
 
 Of each block of a row it is kept how far away its farthest sample is at most: a triangle that covers a whole
 block says so from its two ends, as inverse depth is linear in the image. After Greene, Kass and Miller,
@@ -17,7 +17,7 @@ BLOCK = 64
 
 
 def nothing_drawn(shape: tuple[int, ...]) -> NDArray[np.float32]:
-    """What `draw` keeps of an (H, W) image in which nothing is drawn yet, as its `lowest`."""
+    """The `lowest` that `draw` keeps of an (H, W) image in which nothing is drawn yet, as its `lowest`."""
     height, width = shape
     return np.zeros((height, -(-width // BLOCK)), np.float32)
 

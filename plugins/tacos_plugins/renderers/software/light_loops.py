@@ -1,4 +1,5 @@
-"""What surfaces scatter, mirror and emit, for a batch of pixels, as in `surface.frag` and `reflection.glsl`.
+"""Light that surfaces scatter, mirror and emit, for a batch of pixels, as in `surface.frag` and
+`reflection.glsl`.
 
 Loops as in `lookup_loops`: without branches, over rows that do not overlap.
 """

@@ -1,4 +1,4 @@
-"""Which triangle each pixel sees, as runs along rows, and what a triangle says between its corners.
+"""Triangles seen by pixels, as runs along rows, and attributes between their corners.
 
 In homogeneous pixels, what is linear on a triangle is, over depth, linear in the image: three numbers tell it
 of every pixel, also where corners lie behind the camera (Olano and Greer, "Triangle scan conversion using 2D
@@ -114,7 +114,7 @@ def planes(
     pixel_from_world: NDArray[np.float64],
     found: NDArray[np.float64],
 ) -> None:
-    """What triangles say over depth, as planes above the image.
+    """Attributes of triangles over depth, as planes above the image.
 
     - `seen`: (S,) numbers of triangles, from 1.
     - `triangles`, `position_m`, `attributes`: (T, 3), (V, 3) and (V, A): vertices, their places [m] and what

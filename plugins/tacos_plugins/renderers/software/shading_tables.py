@@ -1,4 +1,4 @@
-"""What surfaces are shaded by without OpenGL: attributes, textures, light maps and probes, in memory."""
+"""Tables for shading without OpenGL: attributes, textures, light maps and probes, in memory."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the vertices of a world say of its surfaces, and which of it each kind of surface is shaded by."""
+"""Attributes of vertices, and those that each kind of surface is shaded by."""
 
 from __future__ import annotations
 

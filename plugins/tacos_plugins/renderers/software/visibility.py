@@ -1,4 +1,4 @@
-"""Which triangle is seen at each sample of an image, and how far away, without OpenGL.
+"""Triangle and depth at each sample of an image, without OpenGL.
 
 Where OpenGL is software, a pass that only says what is seen costs it mostly bookkeeping; here a row of a
 triangle is one short loop. Coverage is exact on a grid of 1/256 of a sample, with the usual rule for samples
@@ -64,7 +64,7 @@ def at_centres(
     seen: NDArray[np.int32],
     surface: NDArray[np.float32],
 ) -> None:
-    """What pixel centres see in an image of half pixels.
+    """View of pixel centres in an image of half pixels.
 
     - `inverse_depth`, `triangle`: (2 H + 1, 2 W + 1) as drawn [1/m, 1].
     - `surface_of_triangle`: (T + 1,) the surface that each triangle is of, 0 for no triangle.
@@ -202,7 +202,7 @@ def _fill(
 def _laid(
     corners: tuple[int, int, int, int, int, int], side: int, part: int, first: int
 ) -> tuple[int, int, int, int, int]:
-    """What the rows from `first` on need of the edge on a side: -1 the left, 1 the right one.
+    """Figures for the rows from `first` on of the edge on a side: -1 the left, 1 the right one.
 
     Samples within are those x that are at most floor(c / d), or at least its negative on the left. From row
     to row c changes by a constant, so quotient and remainder follow without a division: both, their changes,

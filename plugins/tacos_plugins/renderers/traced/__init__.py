@@ -1,1 +1,1 @@
-"""What renderers that trace rays share: the moments of an exposure, the world at them, truth along rays."""
+"""Shared parts of renderers that trace rays: the moments of an exposure, the world at them, truth along rays."""

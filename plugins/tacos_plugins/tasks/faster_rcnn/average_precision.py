@@ -22,7 +22,7 @@ COUNTED, NOT_COUNTED = 1.0, 0.0
 
 @dataclass(frozen=True, eq=False)
 class Detections:
-    """What a detector found in a frame."""
+    """Detections in a frame."""
 
     boxes_px: NDArray[np.float32]
     """(K, 4) float32 left, top, right and bottom edge, as in `Labels` [px]."""

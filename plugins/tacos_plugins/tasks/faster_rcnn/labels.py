@@ -1,4 +1,4 @@
-"""What there is to detect in a frame: boxes around the visible pixels of each object."""
+"""Objects to detect in a frame: boxes around the visible pixels of each object."""
 
 from __future__ import annotations
 

@@ -254,7 +254,7 @@ class DetectionScorer:
                 self._precision.add(example.labels, found)
 
     def detect(self, examples: Sequence[Example]) -> list[Detections]:
-        """What the detector finds in each frame."""
+        """Detections in each frame."""
         with (
             torch.inference_mode(),
             mixed_precision(self._device),

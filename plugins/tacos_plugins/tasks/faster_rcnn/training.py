@@ -21,7 +21,7 @@ WHERE = "task.faster-rcnn"
 
 
 class DetectorTraining(Settings):
-    """How the detector learns: further keys of a recipe's ``train:``."""
+    """Training of the detector: further keys of a recipe's ``train:``."""
 
     learning_rate: float = setting(1e-4, help="Adam's learning rate at the start.", gt=0, also=("lr",))
     batch_size: int = setting(8, help="Frames in a step of Adam.", unit="frames", ge=1)

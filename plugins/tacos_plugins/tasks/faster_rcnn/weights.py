@@ -18,14 +18,14 @@ from tacos_plugins.tasks.faster_rcnn.networks import Backbone
 from tacos_plugins.tasks.learning.checkpoints import load_checkpoint, named_weights, read_checkpoint
 
 COCO = "coco"
-"""What a setting ``weights`` says for torchvision's own."""
+"""Value of a setting ``weights`` for torchvision's own."""
 WHERE = "task.faster-rcnn: weights"
 
 PREDICTOR = "roi_heads.box_predictor."
 """Begins the names of the last layer, which knows the classes."""
 
 NORM_EPSILON_OF_COCO = {"resnet50-fpn": 0.0}
-"""What torchvision adds to the variances of weights it publishes, where it is not the usual."""
+"""Epsilon of torchvision's published weights, where it is not the usual."""
 
 
 def weights_file(name: str) -> Path | None:

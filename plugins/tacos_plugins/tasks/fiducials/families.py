@@ -36,7 +36,7 @@ class Tag:
     """Index into `World.objects`."""
     family: str
     number: int
-    """Which of its family."""
+    """Number in its family."""
     corners_m: NDArray[np.float64]
     """(4, 3) corners of its black border in the world, clockwise from the upper left as it is read [m]."""
 

@@ -23,7 +23,7 @@ STEEPNESS = 6
 POSITION_SHARE = (0.001, 1.0)
 """Errors of position over distance that are graded 1 and 0."""
 BEHIND = 1.05
-"""What is nearer than a marker by this factor hides it."""
+"""Factor of the depth below which something hides a marker."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ def in_sight(
 
 
 def off_m(tag: Tag, corners_px: Floats, camera: Camera, world_from_camera: Floats) -> float | None:
-    """How far the middle of a marker is from where (4, 2) corners in the image put it; None where nowhere.
+    """Distance of the middle of a marker from its place by (4, 2) corners in the image; None without one.
 
     Of the two poses that a square has in perspective, that of the smaller error in the image is taken.
 

@@ -17,7 +17,7 @@ WHERE = "task.fiducials"
 
 
 class Fiducials:
-    """How well markers on the walls are read (`transform.place-tags` hangs them).
+    """Reading of markers on the walls (`transform.place-tags` hangs them).
 
     A marker counts where it is whole in the image, faces the camera and is not hidden. It is read where
     OpenCV's detector finds its number; its place follows from its corners.

@@ -1,4 +1,4 @@
-"""What tasks that learn with torch have in common; importing its modules imports torch.
+"""Shared parts of tasks that learn with torch; importing its modules imports torch.
 
 torch imports triton, where it is installed, as soon as an optimizer is made. Triton holds an LLVM of its own,
 which ends the process when Mesa has loaded another one for OpenGL before. Nothing here compiles GPU code, so

@@ -1,4 +1,4 @@
-"""How examples are mixed and put together for training."""
+"""Batches of examples for training."""
 
 from __future__ import annotations
 

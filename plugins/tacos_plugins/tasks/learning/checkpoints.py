@@ -21,9 +21,9 @@ from tacos_framework.files import read_bytes
 from tacos_plugins.tasks.learning.states import MODEL
 
 NONE = "none"
-"""What a setting ``weights`` says for random ones."""
+"""Value of a setting ``weights`` for random ones."""
 SUFFIXES = (".safetensors", ".pth", ".pt", ".tar")
-"""What the names of checkpoints end in."""
+"""Ending of the names of checkpoints."""
 EXPECTED = "a checkpoint of torch (.pth, .pt, .tar) or safetensors, holding named tensors"
 UNREADABLE = (
     RuntimeError,
@@ -40,7 +40,7 @@ UNREADABLE = (
     struct.error,
     zipfile.BadZipFile,
 )
-"""What torch's loader raises on files that are damaged, wherever the damage trips it."""
+"""Errors of torch's loader on damaged files."""
 _ZIP = b"PK\x03\x04"
 SHOWN = 3
 """Names listed of each kind of mismatch."""

@@ -1,4 +1,4 @@
-"""Where torch computes, and with what random numbers."""
+"""Device and random numbers of torch."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tacos_plugins.chosen_device import chosen_device
 log = logging.getLogger(__name__)
 
 DEVICE_PATTERN = r"auto|cpu|cuda(:\d+)?"
-"""What a setting ``device`` may say."""
+"""Values of a setting ``device``."""
 
 DEVICE_HELP = "Where it computes: auto (a GPU where there is one), cpu, cuda, or cuda:N."
 """Help of a setting ``device``."""

@@ -1,4 +1,4 @@
-"""What may go wrong in training, and what becomes of it."""
+"""Failures of training and their handling."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ MODEL = "model."
 """Begins the names of a module's entries in a state."""
 
 MOMENTS = ("exp_avg", "exp_avg_sq")
-"""What Adam keeps of each parameter, beside its number of steps."""
+"""Moments that Adam keeps of each parameter, beside its number of steps."""
 
 
 def state_of(module: nn.Module, adam: torch.optim.Adam | None = None, *, schedule_steps: int = 0) -> State:

@@ -31,7 +31,7 @@ HEAD_WEIGHTS = (0.5, 0.7, 1.0)
 
 
 class PsmnetTraining(Settings):
-    """How PSMNet learns: further keys of a recipe's ``train:``."""
+    """Training of PSMNet: further keys of a recipe's ``train:``."""
 
     learning_rate: float = setting(1e-3, help="Adam's learning rate.", gt=0, le=1, also=("lr",))
     batch_size: int = setting(4, help="Pairs in a step of Adam.", unit="pairs", ge=1)

@@ -1,1 +1,1 @@
-"""What tasks on pairs of images have in common: the geometry of the pair, and the scores of its depth."""
+"""Shared parts of tasks on pairs of images: the geometry of the pair, and the scores of its depth."""

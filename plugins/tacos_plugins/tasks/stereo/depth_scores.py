@@ -1,4 +1,4 @@
-"""How good an estimated depth is, added up frame by frame."""
+"""Scores of estimated depth, added up frame by frame."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tacos_framework import Scores, ScoreScale
 from tacos_plugins.tasks.stereo.pair import StereoPair
 
 SCORES = ("log_error", "inverse_log_error", "rmse_m", "d1", "log_error_all", "rmse_all_m")
-"""What stereo tasks report; see `DepthScores`."""
+"""Scores of stereo tasks; see `DepthScores`."""
 
 ERRORS = frozenset(SCORES) - {"inverse_log_error"}
 """Those of them of which less is better."""
@@ -37,7 +37,7 @@ MEANINGS = {
     "log_error_all": "the same, the sky included",
     "rmse_all_m": "the same, the sky included",
 }
-"""What they say, for reports."""
+"""Their meanings, for reports."""
 
 LEAST_LOG_ERROR = 1e-3
 """Log errors below count as this much in their inverse, which would have no bound otherwise [1]."""

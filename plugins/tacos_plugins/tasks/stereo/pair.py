@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from tacos_framework import Camera, CandidateFailed
 
 ALIGNED = 1e-6
-"""How far cameras may be from parallel and side by side, as a share of the baseline or of the pixels [1]."""
+"""Tolerance of cameras that are not quite parallel and side by side, as a share of the baseline or of the
+pixels [1].
+"""
 
 
 @dataclass(frozen=True)
@@ -28,7 +30,7 @@ class StereoPair:
 
     left: int
     right: int
-    """Where the two stand in the rig."""
+    """Indices of the two in the rig."""
     width_px: int
     height_px: int
     """Size of both images [px]."""

@@ -1,1 +1,1 @@
-"""How well the motion of a camera follows from its images."""
+"""Motion of a camera from its images."""

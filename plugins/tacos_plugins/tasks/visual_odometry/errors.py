@@ -1,4 +1,4 @@
-"""How far estimated motions are from the true ones, and the scores made of it."""
+"""Errors of estimated motions, and the scores made of them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LOST_DEG = 180.0
 
 @dataclass(frozen=True)
 class MotionError:
-    """What one estimate is off by; None where there is nothing to tell it by."""
+    """Errors of one estimate; None where there is nothing to tell them by."""
 
     found: bool
     """True if there is an estimate at all."""

@@ -26,7 +26,7 @@ WHERE = "task.visual-odometry"
 
 
 class VisualOdometry:
-    """How well the camera's motion from frame to frame follows from its images, against the known poses.
+    """Motion of the camera from frame to frame, estimated from its images, against the known poses.
 
     Points are followed from each frame of a walk to the next. One camera gives a rotation and a direction by
     the essential matrix of most of them; a stereo pair triangulates its points and gives the length too.
