@@ -1,4 +1,4 @@
-"""A study's simulated conditions in a sentence: light, exposure, motion and other effects, and whose noise."""
+"""Conditions that a study simulates, in a sentence: light, exposure, motion, effects, and whose noise."""
 
 from __future__ import annotations
 

@@ -145,7 +145,7 @@ class LensDistortion:
         return BrownConrady(c.k1, c.k2, c.k3, c.p1, c.p2)
 
     def source(self, *, geometry: ImageGeometry, context: ImageContext, frames: int) -> Places | None:
-        """Places in the pinhole's image at which pixels look, (H, W) columns and rows; None where off [px]."""
+        """Places in the pinhole's image at which pixels look, (H, W); None where off [px]."""
         return None if self._off else _source(self._lens, geometry)
 
     def source_at(

@@ -62,7 +62,7 @@ class RowNoise:
 
     @classmethod
     def estimate_from(cls, captures: Captures) -> Iterator[Estimate]:
-        """Variance that rows and columns of darks share within a frame, beyond what independent pixels would."""
+        """Variance that rows and columns of darks share within a frame, beyond that of independent pixels."""
         for name, axis in (("sigma_dn", 1), ("column_sigma_dn", 0)):
             if found := closed_forms.line_variance_dn2(captures, axis):
                 yield Estimate(name, *closed_forms.root(found), negligible=0.05)

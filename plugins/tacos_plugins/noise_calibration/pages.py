@@ -1,4 +1,4 @@
-"""Shared parts of the pages of both noise procedures: pictures of frames, and figures with their intervals."""
+"""Shared parts of the pages of both noise procedures: pictures, and figures with intervals."""
 
 from __future__ import annotations
 

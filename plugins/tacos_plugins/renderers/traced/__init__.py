@@ -1,1 +1,1 @@
-"""Shared parts of renderers that trace rays: the moments of an exposure, the world at them, truth along rays."""
+"""Shared by renderers that trace rays: the moments of an exposure, the world at them, truth along rays."""
