@@ -16,12 +16,7 @@ from tacos_gap.hypotheses.candidates import candidates
 from tacos_report.page import write_page
 from tacos_validation.blind.cases import Case
 from tacos_validation.blind.figure import Figure
-from tacos_validation.blind.generators.specifications import (
-    CAPTURES,
-    KEPT_BACK,
-    Commitment,
-    reveal,
-)
+from tacos_validation.blind.generators.specifications import CAPTURES, KEPT_BACK, Commitment, reveal
 from tacos_validation.blind.making import MADE, TRUTHS, Batch, Wanted, made_ahead, name_of
 from tacos_validation.blind.pages import page
 from tacos_validation.blind.real_cases import real_cases

@@ -7,16 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from tacos_framework import (
-    Evaluation,
-    Executor,
-    Fault,
-    Plugins,
-    Progress,
-    Settings,
-    UserError,
-    setting,
-)
+from tacos_framework import Evaluation, Executor, Fault, Plugins, Progress, Settings, UserError, setting
 from tacos_framework.plan import Plan, make_plan
 from tacos_framework.simulation import EpisodeSpec, Evaluator, ScoreJob
 from tacos_framework.study import score_pipelined, score_sharded

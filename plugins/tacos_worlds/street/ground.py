@@ -11,15 +11,7 @@ from numpy.typing import NDArray
 from tacos_worlds.kit.mesh import Mesh, merged
 from tacos_worlds.kit.piece import Piece
 from tacos_worlds.kit.rectangle import Rect
-from tacos_worlds.street.city import (
-    CARRIAGEWAY_M,
-    CORNER_M,
-    KERB_M,
-    LANE_M,
-    PAVEMENT_M,
-    Town,
-    building_line,
-)
+from tacos_worlds.street.city import CARRIAGEWAY_M, CORNER_M, KERB_M, LANE_M, PAVEMENT_M, Town, building_line
 from tacos_worlds.street.finishes import ASPHALT, GRASS, KERB, PAINT, SLABS
 from tacos_worlds.street.panels import fan, ground, upright
 

@@ -9,15 +9,7 @@ import numpy as np
 
 from tacos_worlds.kit.piece import Piece
 from tacos_worlds.kit.rectangle import Rect
-from tacos_worlds.street.city import (
-    CARRIAGEWAY_M,
-    KERB_M,
-    PARKING_M,
-    Kerb,
-    Town,
-    building_line,
-    kerbs,
-)
+from tacos_worlds.street.city import CARRIAGEWAY_M, KERB_M, PARKING_M, Kerb, Town, building_line, kerbs
 from tacos_worlds.street.frontage import inner_block, outer_block, street_ends
 from tacos_worlds.street.ground import pavement, roads, yard
 from tacos_worlds.street.things.footbridge import STAIRS_M, WIDTH_M, footbridge

@@ -7,13 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tacos_worlds.indoor.furnishing.arrangement import (
-    Arrangement,
-    Member,
-    against_wall,
-    member,
-    together,
-)
+from tacos_worlds.indoor.furnishing.arrangement import Arrangement, Member, against_wall, member, together
 from tacos_worlds.kit.finishes import Style
 from tacos_worlds.kit.piece import BACKGROUND, Piece, piece
 from tacos_worlds.kit.shapes import box

@@ -7,14 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tacos_worlds.kit.finishes import (
-    DARK_GLASS,
-    GREY_PLASTIC,
-    STEEL,
-    WHITE_LACQUER,
-    Finish,
-    Style,
-)
+from tacos_worlds.kit.finishes import DARK_GLASS, GREY_PLASTIC, STEEL, WHITE_LACQUER, Finish, Style
 from tacos_worlds.kit.mesh import Mesh, merged, rotation_x
 from tacos_worlds.kit.piece import BACKGROUND, Piece, Top, piece
 from tacos_worlds.kit.rectangle import Rect

@@ -9,16 +9,7 @@ import cv2
 import numpy as np
 
 from tacos_worlds.kit.textures.texture import Texture, texture
-from tacos_worlds.street.textures.walls import (
-    CELL_M,
-    CELLS,
-    WALLS,
-    Canvas,
-    Colour,
-    Image,
-    ashlar,
-    concrete,
-)
+from tacos_worlds.street.textures.walls import CELL_M, CELLS, WALLS, Canvas, Colour, Image, ashlar, concrete
 from tacos_worlds.street.textures.windows import WindowStyle, draw_window_style, glass, window
 
 

@@ -17,13 +17,7 @@ from tacos_worlds.kit.mesh import Mesh, merged
 from tacos_worlds.kit.piece import Piece
 from tacos_worlds.kit.shapes.boxes import slab
 from tacos_worlds.kit.shapes.lofts import disc_stack, tube
-from tacos_worlds.street.finishes import (
-    DARK_METAL,
-    GALVANISED,
-    GREEN_METAL,
-    POSTER_VARIANTS,
-    STONE,
-)
+from tacos_worlds.street.finishes import DARK_METAL, GALVANISED, GREEN_METAL, POSTER_VARIANTS, STONE
 from tacos_worlds.street.panels import panel
 from tacos_worlds.street.things.trees import shrub
 

@@ -12,14 +12,7 @@ from tacos_worlds.kit.mesh import Mesh, merged, shaded
 from tacos_worlds.kit.piece import Piece
 from tacos_worlds.kit.shapes.boxes import slab
 from tacos_worlds.kit.shapes.lofts import loft
-from tacos_worlds.street.finishes import (
-    CAR_GLASS,
-    HEADLIGHT,
-    RIM,
-    TAIL_LIGHT,
-    TRIM,
-    TYRE,
-)
+from tacos_worlds.street.finishes import CAR_GLASS, HEADLIGHT, RIM, TAIL_LIGHT, TRIM, TYRE
 from tacos_worlds.street.panels import panel
 
 PLATE_VARIANTS = 3
