@@ -104,7 +104,6 @@ def _variable_words(name: str, value: Any) -> str:
 
 
 def verdict(study: StudyData) -> str:
-    """Certainty of the comparison, with the figures behind the headline."""
     if study.analysis.degenerate:
         return study.analysis.degenerate
     if study.designed is None:
@@ -131,7 +130,6 @@ def verdict(study: StudyData) -> str:
 
 
 def untested(study: StudyData) -> str:
-    """Why the camera has no scores on unseen scenes."""
     if not study.asks_for_test:
         return "It has not been tried on unseen scenes: the recipe has no section test."
     return "It has not been tried on unseen scenes: the study ended before its test."
@@ -182,7 +180,6 @@ def per_score(study: StudyData) -> str:
 
 
 def score_changes(study: StudyData, other: CameraResult) -> dict[str, CameraDifference]:
-    """The designed camera's differences from another in every score both have."""
     if study.designed is None:
         return {}
     pairs = (
@@ -222,7 +219,6 @@ def ground_words(study: StudyData, camera: CameraResult) -> str:
 
 
 def search_words(study: StudyData) -> str:
-    """Course of the search: when the winner came, and whether it had settled."""
     scored = study.scored
     rounds = len(study.generations)
     if not rounds:

@@ -94,7 +94,6 @@ class StudyData:
         return next((camera for camera in self.cameras if camera.name == DESIGNED), None)
 
     def shows_design(self, camera: Mapping[str, Any]) -> bool:
-        """True if the plain values are those of the designed camera itself."""
         return self.designed is not None and dict(camera) == dict(self.designed.camera)
 
     def has_parts_of_design(self, part: RankedPart) -> bool:
@@ -141,18 +140,15 @@ class StudyData:
 
     @property
     def best_fitness(self) -> float | None:
-        """Fitness of the winner on the scenes it was designed on."""
         return finite(mapping(self.result.get("best")).get("fitness"))
 
     @property
     def units(self) -> Mapping[str, str]:
-        """Units of the derived quantities and design variables, by name."""
         space = {row["name"]: row.get("unit") or "" for row in self.design_space}
         return {**space, **mapping(self.result.get("derived_units"))}
 
     @property
     def design_space(self) -> list[dict[str, Any]]:
-        """The design variables with kind, unit and bounds."""
         return [dict(row) for row in plain_rows(self.result.get("design_space")) if "name" in row]
 
 

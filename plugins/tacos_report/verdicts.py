@@ -36,7 +36,6 @@ def headline(decision: Decision, title: str, products: int) -> str:
 
 
 def lead(decision: Decision) -> str:
-    """The figures behind the headline, and what would settle what is open."""
     found = decision.comparison
     assert found.difference is not None
     text = f"Difference in fitness, scene by scene: {signed(found.difference)}"

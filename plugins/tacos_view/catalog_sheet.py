@@ -135,7 +135,6 @@ def camera_outlines(cameras: Sequence[OffTheShelf]) -> tuple[Outline, ...]:
 
 
 def arranged(parts: Sequence[Outline], form: SheetFormat = ON_SCREEN) -> tuple[PlacedOutline, ...]:
-    """Parts in rows from the top left, none over another."""
     placed: list[PlacedOutline] = []
     y = 0.0
     for row in _rows(parts, form):
@@ -191,7 +190,6 @@ def _groups(placed: Sequence[PlacedOutline]) -> list[str]:
 
 
 def paint_sheet(figure: Figure, placed: Sequence[PlacedOutline], form: SheetFormat = ON_SCREEN) -> None:
-    """Draw the parts, and a scale, on a figure of `sheet_size_in`."""
     from matplotlib.patches import Patch
 
     if (layout := figure.get_layout_engine()) is not None:

@@ -137,7 +137,6 @@ def _between(neutral: Any, value: Any, factor: float) -> Any:
 def _formed(
     setup: RenderSetup, scene: FrameBatch, use: str, cls: type[Any], settings: Mapping[str, Any], seed: int
 ) -> NDArray[np.unsignedinteger]:
-    """The file of the first camera with the effect."""
     own = [PlacedEffect(use, use, cls, cls.Config.model_validate(settings))] if settings else []
     draws = EpisodeDraws(seed, (PURPOSE,))
     lit = ImageFormation(setup.exposure, own).light(scene.capture, draws)

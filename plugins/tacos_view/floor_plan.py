@@ -70,7 +70,6 @@ def floor_plan(
 
 
 def _coloured_triangles(world: World) -> tuple[Triangles, NDArray[np.uint8]]:
-    """All triangles, and the colour of each under an even sky."""
     corners, colours = [], []
     for part in world.parts:
         material = world.materials[part.material]
@@ -112,7 +111,6 @@ def _twice_area(
 
 
 def _sheet(triangles: Triangles, trajectory: Trajectory, margin_m: float, widest_px: int) -> _Sheet:
-    """The ground around the path, as far as there is anything."""
     path = trajectory.world_from_agent[:, :2, 3]
     ground = triangles.reshape(-1, 3)[:, :2]
     world_lower, world_upper = (ground.min(0), ground.max(0)) if len(ground) else (path.min(0), path.max(0))

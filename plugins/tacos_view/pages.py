@@ -62,12 +62,10 @@ class ViewFolder:
         self.out = made_folder(out)
 
     def add(self, name: str, picture: Picture, caption: str) -> PagePicture:
-        """Write ``NAME.png``, and give what shows it on the page."""
         (self.out / f"{name}.png").write_bytes(encoded_png(picture))
         return PagePicture(png_uri(reduced(picture, _ON_PAGE_PX)), caption)
 
     def close(self, page: Page) -> Path:
-        """Write ``index.html``; returns its path."""
         path = self.out / "index.html"
         write_page(path, page)
         return path

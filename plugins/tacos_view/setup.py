@@ -60,7 +60,6 @@ class RenderSetup:
         return min(taking, key=lambda each: len(graph.nodes[each[0]].sources), default=None)
 
     def along_the_trip(self, count: int, *, seed: int | None = None) -> Iterator[FrameBatch]:
-        """Frames spread evenly over the trip that the recipe's scene makes."""
         spec = self.episode_spec(None, seed)
         for i in range(count):
             yield self.simulation.sample(self.camera.values, spec, (i + 0.5) / count)

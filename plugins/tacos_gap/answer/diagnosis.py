@@ -224,7 +224,6 @@ def _nuisances(problem: Problem, best: Fitted) -> dict[str, dict[str, Any]]:
 
 
 def gather(folder: CaptureFolder, seed: int, workers: int = 1) -> tuple[list[Evidence], list[str]]:
-    """Evidence of every capture that bears on anything, and why others do not."""
     found = boards_found(folder).captures
     captures = searched_over(found)
     enough = enough_pixels(captures)

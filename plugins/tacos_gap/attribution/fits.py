@@ -59,7 +59,6 @@ class Fits:
         return [self.again(fitted) for fitted in fits]
 
     def fitted(self, hypotheses: Sequence[Hypothesis], near: Fitted) -> list[Fitted]:
-        """Fit them, in parallel, from what a fit nearby knows; each set of effects once."""
         wanted = [h for h in hypotheses if _key(h) not in self.known]
         for fitted in self._each(lambda hypothesis: self._fit(hypothesis, near), wanted):
             if fitted is not None:

@@ -15,7 +15,6 @@ from tacos_gap.captures.files import PATCH_COLUMNS
 
 
 def written_entry(folder: Path, name: str, capture: RealCapture, camera: Mapping[str, Any]) -> dict[str, Any]:
-    """Write the files of a capture; returns its entry of ``captures.yaml``, in plain values."""
     geometry, context = capture.geometry, capture.context
     entry: dict[str, Any] = {"id": capture.id, "kind": capture.kind, "real": _frames(folder, name, capture)}
     if capture.expected_dn is not None:

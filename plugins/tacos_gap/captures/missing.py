@@ -21,7 +21,6 @@ _LOOKED_AT = 5000
 
 
 def nothing_to_read(folder: Path) -> Fault:
-    """The fault of a folder that holds no ``captures.yaml``."""
     if not folder.exists():
         return Fault(str(folder), "there is no such folder", f"a folder of captures, with {FILE}", BEGIN)
     if folder.is_file():
@@ -51,7 +50,6 @@ def nothing_to_read(folder: Path) -> Fault:
 
 
 def _sorted_by_import(photographs: Path) -> str:
-    """What to type where there are photographs: the folder it makes lies beside theirs."""
     beside = f"{photographs.resolve().name or 'my'}_captures"
     out = photographs.parent / beside if photographs.name not in ("", "..") else photographs / ".." / beside
     given, made = (shlex.quote(str(path)) for path in (photographs, out))

@@ -27,7 +27,6 @@ _STILL = ("dark", "flat", "edge", "chart", "bracket", "scene")
 
 
 def traces_of_processing(captures: Sequence[RealCapture]) -> list[str]:
-    """What the software of a camera did to its files, each with its figure and the capture that shows it."""
     smoothed = [(found, c.id) for c in captures if (found := _smoothing(c)) is not None]
     sharpened = [(found, c.id) for c in captures if (found := _overshoot(c)) is not None]
     said = []

@@ -44,6 +44,5 @@ def variance_after_rounding(variance_dn2: NDArray[np.float64], level_dn: float) 
 
 
 def are_whole(values_dn: NDArray[np.floating]) -> bool:
-    """Tell files of one exposure, which hold whole numbers, from means of several."""
     some = values_dn.reshape(-1)[::101]
     return bool(np.all(some == np.rint(some)))

@@ -116,7 +116,6 @@ def _safe(name: str) -> str:
 
 
 def _camera_entry(capture: RealCapture, shared: Mapping[str, Any]) -> dict[str, Any]:
-    """The entry ``camera``, as files like those of this capture have it."""
     geometry = capture.geometry
     x, y = geometry.offset_px
     stated = {key: value for key, value in shared.items() if key not in ("full", "centre", "cfa")}

@@ -164,7 +164,6 @@ class ImageEvidence:
         return found
 
     def _moved_to(self, nu: NDArray[np.float64]) -> ImageEvidence:
-        """The evidence with the expectation at other nuisances, as far as those are followed."""
         followed = [freedom.is_followed and freedom.share == 1 for freedom in self._freedoms]
         nu = np.where(followed, np.clip(nu, -FARTHEST, FARTHEST), 0.0)
         if np.abs(nu).max() < NEARBY:

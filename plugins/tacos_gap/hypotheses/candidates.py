@@ -26,7 +26,6 @@ class Candidates:
         return Candidates(kept, self.distributions, (*self.limitations, said))
 
     def excluding(self, names: Collection[str]) -> dict[str, type[Any]]:
-        """The effects that are looked for where some surely are negligible."""
         return {name: cls for name, cls in self.effects.items() if name not in names}
 
     def without(self, name: str, error: BaseException) -> Candidates:

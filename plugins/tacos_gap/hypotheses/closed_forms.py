@@ -25,7 +25,6 @@ class ClosedForm:
 
     @property
     def says(self) -> Literal["seen", "excluded", "open"]:
-        """Verdict on the effect: surely there, surely negligible, or neither."""
         if self.estimate.is_seen(self.neutral):
             return "seen"
         return "excluded" if self.estimate.is_excluded(self.neutral) else "open"
@@ -44,7 +43,6 @@ class ClosedForm:
 
 
 def closed_forms(effects: Mapping[str, type[Any]], captures: Sequence[RealCapture]) -> tuple[ClosedForm, ...]:
-    """Of every effect that has some, by name."""
     return tuple(form for name, cls in effects.items() for form in _of(name, cls, captures))
 
 

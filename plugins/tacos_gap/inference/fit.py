@@ -166,7 +166,6 @@ def _cost(z: NDArray[np.float64]) -> float:
 
 
 def _columns(fitted: Fitted, z: NDArray[np.float64]) -> dict[Column, NDArray[np.float64]]:
-    """The columns of a fit's Jacobian, as they are for robust residuals of (K,) `z`."""
     return dict(zip(columns_of(fitted.hypothesis), jacobian_for(fitted, z).T, strict=True))
 
 

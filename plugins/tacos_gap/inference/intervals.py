@@ -175,7 +175,6 @@ def _ridge(normal: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _all_free(term: HypothesisTerm) -> HypothesisTerm:
-    """The term with those parameters free again that its search began with."""
     begun = {
         name: step for start in initial_guesses_of(term.name, term.cls) for name, step in start.free.items()
     }

@@ -18,12 +18,10 @@ Column = tuple[str, str, float]
 
 
 def theta_of(hypothesis: Hypothesis) -> NDArray[np.float64]:
-    """All free parameters, effect by effect."""
     return np.concatenate([term.theta for term in hypothesis]) if hypothesis else np.zeros(0)
 
 
 def free_names(hypothesis: Hypothesis) -> list[str]:
-    """The free parameters, effect by effect, as `theta_of` has them."""
     return [name for term in hypothesis for name in term.free]
 
 
@@ -77,7 +75,6 @@ def jacobian_at(problem: Problem, hypothesis: Hypothesis) -> tuple[NDArray[np.fl
 
 
 def residual_of(problem: Problem, hypothesis: Hypothesis) -> NDArray[np.float64]:
-    """Residuals of a hypothesis that was simulated before, and so is one its effects allow."""
     z = problem.residual(hypothesis)
     assert z is not None
     return z

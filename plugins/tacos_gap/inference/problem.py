@@ -85,14 +85,12 @@ def placed_in(hypothesis: Hypothesis, evidence: Evidence) -> list[PlacedEffect]:
 
 
 def _renuisanced(evidence: Evidence, hypothesis: Hypothesis) -> Evidence:
-    """Evidence with its nuisances estimated anew beside a hypothesis; poses of boards have no such."""
     if not isinstance(evidence, ImageEvidence):
         return evidence
     return evidence.renuisanced(placed_in(hypothesis, evidence))
 
 
 def _shares_of_priors(evidence: Sequence[Evidence], hypothesis: Hypothesis) -> dict[str, float]:
-    """How far captures disagree about poses beside a hypothesis; see `shares_of_priors`."""
     poses, groups = [], []
     for each in evidence:
         if isinstance(each, ImageEvidence) and (pose := each.pose(placed_in(hypothesis, each))) is not None:
@@ -165,7 +163,6 @@ class Problem:
         return z / self.scale
 
     def replicate_residuals(self, hypothesis: Hypothesis) -> ReplicateResiduals:
-        """Residuals and replicates when the hypothesis is simulated; see `Evidence.replicate_residuals`."""
         key = _key(hypothesis)
         if key not in self._replicate_residuals:
             self._replicate_residuals[key] = self._simulate_replicates(hypothesis)
@@ -208,7 +205,6 @@ class Problem:
         return other
 
     def averaging(self, draws: int) -> Problem:
-        """The same evidence, each hypothesis by the mean of several simulations."""
         other = copy(self)
         other.draws = draws
         return other
@@ -225,7 +221,6 @@ class Problem:
 
     @cached_property
     def noise_floor_rms(self) -> float:
-        """Root mean square of the noise floor's own residuals."""
         return floor_rms(self.null_replicates)
 
     def gap(self, z: NDArray[np.float64], part: NDArray[np.bool_] | None = None) -> float:

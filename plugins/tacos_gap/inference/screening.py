@@ -105,7 +105,6 @@ def _of_one_parameter(directions: Sequence[ScreeningDirection]) -> Mapping[str, 
 
 
 def _with_all_free(term: HypothesisTerm, single: Mapping[str, ScreeningDirection]) -> HypothesisTerm:
-    """The term with the parameters of other directions free too, from neutral on."""
     if len(term.free) != 1 or not single:
         return term
     values = {name: _scaled(direction.term, 0.0).values[name] for name, direction in single.items()}

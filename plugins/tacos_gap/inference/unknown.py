@@ -229,7 +229,6 @@ def _weights(
 
 
 def block_names(problem: Problem) -> list[tuple[str, str]]:
-    """Capture and statistic of each block."""
     return list(dict.fromkeys((label.capture, label.statistic) for label in problem.labels))
 
 

@@ -56,7 +56,6 @@ class BoardFound:
 
 
 def boards_of(pictures: Sequence[Picture], given: tuple[int, int] | None) -> tuple[BoardFound, ...]:
-    """The ChArUco and the chessboard that pictures show, each with its corners in them."""
     markers = {picture: picture.shown.markers for picture in pictures if picture.shown.markers is not None}
     plain = [picture for picture in pictures if picture not in markers]
     for picture in plain[:_PROBED]:  # corners of a ChArUco may be counted as those of a chessboard

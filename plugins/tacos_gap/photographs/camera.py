@@ -72,8 +72,6 @@ def camera_of(pictures: Sequence[Picture], given: Given, focal_px: float | None)
 
 
 class _Answers:
-    """The entry `camera` as it is put together, with where each value is from and what is unsure."""
-
     def __init__(self, known: dict[str, Any]):
         self.entry = known
         self.source: dict[str, str] = {}

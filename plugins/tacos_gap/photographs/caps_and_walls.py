@@ -140,7 +140,6 @@ def _view_in_the_dark(picture: Picture, structured: Sequence[Picture]) -> Pictur
 
 
 def _fine(thumbnail: NDArray[np.float32]) -> NDArray[np.float64]:
-    """The structure that lens and lamp do not make."""
     return (thumbnail - shading(thumbnail, has_defects=False)).ravel().astype(np.float64)
 
 

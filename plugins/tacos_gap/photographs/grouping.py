@@ -59,7 +59,6 @@ def _settings(picture: Picture) -> tuple[object, ...]:
 
 
 def _with_brackets(stacks: Sequence[Stack]) -> list[Stack]:
-    """The stacks, those of one view at several exposure times as brackets."""
     series: list[list[Stack]] = []
     for stack in stacks:
         if stack.kind in ("dark", "board") or stack.first.facts.exposure_ms is None:
@@ -80,7 +79,6 @@ def _with_brackets(stacks: Sequence[Stack]) -> list[Stack]:
 
 
 def _continues(members: Sequence[Stack], stack: Stack) -> bool:
-    """True if a stack shows the view of a series, at a time that the series has not."""
     times = {member.first.facts.exposure_ms for member in members}
     return stack.first.facts.exposure_ms not in times and _one_view(members[-1], stack)
 

@@ -93,8 +93,6 @@ def import_photographs(
 
 @dataclass(frozen=True, eq=False)
 class _Sorted:
-    """Pictures sorted into captures."""
-
     stacks: tuple[Stack, ...]
     boards: tuple[BoardFound, ...]
     camera: CameraFound
@@ -106,7 +104,6 @@ class _Sorted:
 
 
 def _sorted(looked_at: Sequence[Picture], tables: Sequence[Table], given: Given) -> _Sorted:
-    """Pictures as captures: names, tables, EXIF and what they show weighed together."""
     pictures, doubts, guesses = with_times(looked_at, tables, given)
     pictures, of_kinds = with_kinds_weighed(pictures, given)
     with_boards = [picture for picture in pictures if picture.shown.kind == "board"]

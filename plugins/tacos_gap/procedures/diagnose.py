@@ -243,7 +243,6 @@ def _write(out: Path, data: Mapping[str, Any], patch: str) -> None:
 
 
 def _valued(name: str, parameter: Parameter) -> str:
-    """A parameter with its unit, and in physical units beside where it has them."""
     unit = "" if parameter.unit == "1" else f" {parameter.unit}"
     found = parameter.physical
     return f"{name} {parameter.value}{unit}" + (f" ({found.value:g} {found.unit})" if found else "")

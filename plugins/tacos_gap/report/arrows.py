@@ -61,7 +61,6 @@ def _mean(values: NDArray[np.float64], sigma: NDArray[np.float64], kept: list[in
 
 
 def of_boards(problem: Problem, numbers: Numbers) -> list[Displacements]:
-    """Misfits of the corners of all views, in one field."""
     boards = [e for e in problem.evidence if isinstance(e, BoardEvidence)]
     fields = []
     for moved_px in (numbers.z_before * numbers.sigma, numbers.z_after * numbers.sigma):

@@ -93,7 +93,6 @@ def _caption(capture: CaptureEntry, path: Path, pictures: int) -> str:
 
 
 def _comments(path: Path) -> Iterator[str]:
-    """The sentences of the comments that ``captures.yaml`` begins with, item by item."""
     text = ""
     for line in read_lines(path):
         if not line.startswith("#"):

@@ -28,7 +28,6 @@ MOST_DRAWINGS = 5
 
 
 def where(diagnosis: Diagnosis, numbers: Mapping[str, Numbers], artist: Artist) -> Iterator[Block]:
-    """The section "Where the gap lies": all statistics, and drawings of those that are significant."""
     if not numbers:
         yield Paragraph("None of the captures could be compared with a simulation.")
         return
@@ -71,7 +70,6 @@ def _paired(drawings: Sequence[Drawing]) -> Iterator[SideBySide]:
 
 
 def causes(diagnosis: Diagnosis, artist: Artist) -> Iterator[Block]:
-    """The section "What causes it": each cause with its parameters and the statistic that decided."""
     yield in_both_widths(
         partial(bars.certainties, diagnosis),
         "How sure each cause is, from 0 to 1, with the effects that could stand in its place. These are "

@@ -115,7 +115,6 @@ def _line(label: Label, kind: Over) -> str:
 def _joined(
     title: str, lines: Mapping[str, Mapping[float, list[int]]], numbers: Numbers, view: StatisticView
 ) -> ProfileCurve:
-    """The lines of a panel, one after the other with a gap between them."""
     parts = [
         _curve(title, np.array(sorted(line)), [line[x] for x in sorted(line)], numbers, view)
         for line in lines.values()

@@ -120,7 +120,6 @@ def picture_remainder(rms_dn: Sequence[float], noise_dn: float, *, explained: bo
 
 
 def alternatives(diagnosis: Diagnosis) -> list[str]:
-    """Effects the captures cannot tell from the causes."""
     found = {cause.effect for cause in diagnosis.causes}
     return [name for name in diagnosis.cause_set if name not in found]
 
@@ -146,7 +145,6 @@ def lead(diagnosis: Diagnosis, captures: int) -> str:
 
 
 def control_sentence(diagnosis: Diagnosis) -> str:
-    """What the negative control closes, beside the explanation; empty where there is none."""
     control = diagnosis.negative_control
     if control is None:
         return ""

@@ -177,8 +177,6 @@ def _on_light(acting: Iterable[Step], cfa: str | None) -> list[Step]:
 
 @dataclass(frozen=True)
 class _Watched(EpisodeDraws):
-    """Draws that know whether anything was drawn or remembered."""
-
     _given: list[tuple[np.random.Generator, Any]] = field(default_factory=list, repr=False, compare=False)
 
     def rng(self, frame: int, *what: str) -> np.random.Generator:
@@ -200,7 +198,6 @@ def _state(rng: np.random.Generator) -> Any:
 def _shared(
     light: Samples, steps: Sequence[tuple[str, Step]], draws: EpisodeDraws, known: KeptLight
 ) -> tuple[Samples, int]:
-    """What all frames of a still have in common, and by how many steps."""
     names = [name for name, _ in steps]
     for done, (_, step) in enumerate(steps):
         before = light
@@ -220,8 +217,6 @@ def _shared(
 
 
 class _WhereKnown(ActingEffect):
-    """An effect that is left out where too little is known of the capture."""
-
     def source(self, *, geometry: ImageGeometry, context: ImageContext, frames: int) -> Places | None:
         try:
             return super().source(geometry=geometry, context=context, frames=frames)

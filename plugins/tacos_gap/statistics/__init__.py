@@ -44,5 +44,4 @@ __all__ = ["FAMILIES", "Family", "Sample", "StatisticBlock", "measure"]
 
 
 def measure(sample: Sample) -> list[StatisticBlock]:
-    """All blocks of numbers of a sample, in a fixed order."""
     return [block for family in FAMILIES for block in family(sample)]

@@ -55,7 +55,6 @@ _COLOURFUL: WeakKeyDictionary[RealCapture, bool] = WeakKeyDictionary()
 
 
 def has_colours(capture: RealCapture) -> bool:
-    """True if enough pixels of colours different enough are expected to stay below saturation."""
     if capture not in _COLOURFUL:
         _COLOURFUL[capture] = _are_colourful(capture, _used(capture))
     return _COLOURFUL[capture]

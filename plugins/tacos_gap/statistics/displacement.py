@@ -72,7 +72,6 @@ def displacement_statistics(sample: Sample) -> Iterator[StatisticBlock]:
 
 
 def has_texture(capture: RealCapture) -> bool:
-    """True if a structured capture is large enough and has tiles with texture."""
     return min(capture.valid.shape) >= _LEAST_SIDE_PX and bool(textured_tiles(capture).parts)
 
 
@@ -152,8 +151,6 @@ def _moved(
 
 @dataclass(frozen=True, eq=False)
 class _Reference:
-    """What frames are held against."""
-
     of: NDArray[np.float32]  # (N, H, W, C) the expectation that it was made of
     images: NDArray[np.float32]  # (3, H, W) it smoothed, and its slopes in x and y
     pixels: NDArray[np.float64]  # (3, P) those of tiles; see `TexturedTiles.centred`

@@ -99,7 +99,6 @@ def expected_in(bins: Bins, capture: RealCapture, channel: int) -> NDArray[np.fl
 
 
 def _compact(index: NDArray[np.int64], at: Sequence[Mapping[str, Any]]) -> Bins:
-    """Leave out bins with too few pixels."""
     count = np.bincount(index.ravel() + 1, minlength=len(at) + 1)[1:]
     keep = np.flatnonzero(count >= min(SMALLEST_BIN, max(count.max(initial=0) // 4, 1)))
     renamed = np.full(len(at) + 1, -1)

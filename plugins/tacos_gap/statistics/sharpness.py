@@ -50,7 +50,6 @@ def sharpness_statistics(sample: Sample) -> Iterator[StatisticBlock]:
 
 
 def has_detail(capture: RealCapture) -> bool:
-    """True if a structured capture has a tile with detail."""
     return _layout(capture) is not None
 
 

@@ -112,13 +112,11 @@ _VIEWS = {
 
 
 def view_of(statistic: str) -> StatisticView:
-    """How to draw a statistic; those that are not known here are drawn in their own unit."""
     words = statistic.replace("_", " ")
     return _VIEWS.get(statistic) or StatisticView(words[:1].upper() + words[1:], words)
 
 
 def over(places: Iterable[Mapping[str, Any]]) -> Over:
-    """What numbers are drawn over, from where they were taken."""
     keys = {key for at in places for key in at}
     if "axis" in keys:
         return "arrows"

@@ -42,7 +42,6 @@ class CapturedView(View):
     are checked then."""
 
     def __getattribute__(self, name: str) -> Any:
-        """An attribute, unless nobody knows it."""
         if name in _MEANINGS and name in object.__getattribute__(self, "__dict__").get("unknown", ()):
             raise TruthMissing(name)
         return object.__getattribute__(self, name)

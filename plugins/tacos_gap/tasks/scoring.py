@@ -51,7 +51,6 @@ class ScoredTasks:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The scores that real and simulated frames have, in the order of the tasks."""
         of_all = [scores for each in self.captures for scores in each.real]
         return tuple(dict.fromkeys(name for scores in of_all for name in scores))
 

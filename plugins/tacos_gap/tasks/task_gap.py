@@ -38,7 +38,6 @@ class TaskScore:
 
 
 def task_gap(scored: ScoredTasks) -> dict[str, TaskScore]:
-    """Every score that real and simulated frames have, by name."""
     found = {}
     for name in scored.names:
         having = [c for c in scored.captures if all(len(c.values(stack, name)) for stack in STACKS)]

@@ -30,7 +30,6 @@ def title(study: StudyData) -> str:
 
 
 def blocks(study: StudyData) -> Iterator[Block]:
-    """Scores as a drawing and a table, then the properties of the cameras, then a map of a scene."""
     if not study.cameras:
         return
     if not study.tested:
@@ -77,7 +76,6 @@ def score_table(study: StudyData) -> Table:
 def _table(
     first: str, rows: tuple[Row, ...], caption: str, study: StudyData, *more: str, total: bool = False
 ) -> Table:
-    """A table with a column for each camera, headed in its colour."""
     colours = ("", *(camera_variable(i) for i in range(len(study.cameras))), *("" for _ in more))
     heads = (first, *(camera.title for camera in study.cameras), *more)
     return Table(heads, rows, caption, colours, row_heads=True, total=total)
@@ -128,7 +126,6 @@ def _score_row(study: StudyData, name: str, weights: Mapping[str, float]) -> Row
 
 
 def _change(study: StudyData, name: str, higher_first: bool) -> Detailed:
-    """The designed camera's difference from the best other one, and whether it is clear."""
     other = best_of(study.others)
     if study.designed is None or other is None:
         return Detailed("")

@@ -12,7 +12,6 @@ from tacos_report.study_data import StudyData
 
 
 def blocks(study: StudyData) -> Iterator[Block]:
-    """A forest plot and the same in numbers; products without a place in it with the reason."""
     analysis = study.analysis
     if analysis.degenerate:
         yield Paragraph(analysis.degenerate)

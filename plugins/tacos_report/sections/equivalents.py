@@ -61,7 +61,6 @@ def _parts_words(found: Equivalents, parts: Sequence[str], study: StudyData) -> 
 
 
 def _unsure_words(found: Equivalents, parts: Sequence[str]) -> str:
-    """Parts that may be as good and probably are not."""
     named = ", ".join(f"{part} ({chance(found.probability[part])})" for part in parts)
     they_are = "it is" if len(parts) == 1 else "they are"
     few = f"The scenes do not rule out {len(parts)} more"

@@ -17,7 +17,6 @@ _PROSE = ("name", "source", "sources", "notes", "doubts", "grade", "provenance")
 
 
 def blocks(study: StudyData) -> Iterator[Block]:
-    """A table per part, with a specification of the lens where it is not a part; how to mount it; doubts."""
     designed, parts = study.designed, _parts(study)
     if designed is None or not parts:
         return
@@ -82,7 +81,6 @@ def _properties(part: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def _lens_wanted(camera: CameraResult, study: StudyData) -> Iterator[tuple[str, str]]:
-    """Advice on a lens where the design names a focal length alone."""
     yield "Focal length", shown("focal_length_mm", camera.camera["focal_length_mm"])
     width_mm, height_mm = _sides_mm(camera)
     if width_mm is not None and height_mm is not None:

@@ -10,7 +10,6 @@ from tacos_report.study_data import CameraResult, StudyData
 
 
 def blocks(study: StudyData) -> Iterator[Block]:
-    """A table with a row for each scenario; the best camera of each is named."""
     cameras = [camera for camera in study.cameras if camera.scenarios]
     names = list(dict.fromkeys(name for camera in cameras for name in camera.scenarios))
     if len(names) < 2:

@@ -28,7 +28,6 @@ def course(study: StudyData) -> Iterator[Block]:
 
 
 def space(study: StudyData) -> Iterator[Block]:
-    """The design space in words, scatter plots of what is a number, lists of what comes from a catalog."""
     if study.design_space:
         rows = (f"{words(row['name'])}: {story.space_words(row)}" for row in study.design_space)
         yield Paragraph(f"{'; '.join(rows)}.")

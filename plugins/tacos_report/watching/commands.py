@@ -21,7 +21,6 @@ def _arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _watch(arguments: argparse.Namespace) -> int:
-    """Look again and again until the study has ended, or Ctrl-C."""
     from rich.console import Console
     from rich.live import Live
 

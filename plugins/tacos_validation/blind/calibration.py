@@ -93,7 +93,6 @@ def coverage(parameters: Sequence[ParameterFound]) -> list[tuple[float, Figure]]
 
 
 def compared(cases: Iterable[Case], *tiers: str) -> list[ParameterFound]:
-    """Parameters that can be compared, of some tiers."""
     return [each for case in cases if case.tier in tiers and not case.failed for each in case.parameters()]
 
 

@@ -56,7 +56,6 @@ class Case:
 
     @property
     def named(self) -> tuple[str, ...]:
-        """The causes that are named with a presence above one half."""
         return tuple(name for name, sure in zip(self.causes, self.sureness, strict=True) if sure > SURE)
 
     @property
@@ -81,7 +80,6 @@ class Case:
 
     @property
     def there(self) -> frozenset[str]:
-        """Effects that it is true to name."""
         known = self.known
         return frozenset(self.effects) | (frozenset({*known.accept, *known.also}) if known else frozenset())
 
@@ -104,7 +102,6 @@ class Case:
 
     @property
     def confident_and_wrong(self) -> bool:
-        """True if something was named with a presence above one half, wrongly."""
         if self.judgement:
             return self.judgement.confident_and_wrong
         return bool(self.causes) and not self.right and self.sureness[0] > SURE

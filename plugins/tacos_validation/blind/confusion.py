@@ -39,7 +39,6 @@ def confusions(cases: Sequence[Case]) -> list[Drawing]:
 
 
 def counted(cases: Sequence[Case]) -> Confusion:
-    """First named effect for each withheld effect, by name."""
     found: dict[str, Counter[str]] = {}
     for case in sorted(cases, key=lambda case: case.effects[0]):
         found.setdefault(case.effects[0], Counter())[case.first] += 1

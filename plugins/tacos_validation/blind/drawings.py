@@ -27,7 +27,6 @@ from tacos_validation.blind.scoring import ladder
 
 
 def severities(cases: Sequence[Case]) -> Drawing:
-    """Share right over the ladder of severities."""
     return in_both_widths(
         partial(_severities, ladder(cases)), "T1 with charts. Dashed: the goal from 4 units on."
     )

@@ -82,7 +82,6 @@ def _seventh(cases: Sequence[Case]) -> list[Figure]:
 
 
 def first_right(case: Case) -> bool:
-    """True if the first cause is right by what is known of the case, whatever stands beside it."""
     return case.judgement is not None and case.judgement.first_right
 
 

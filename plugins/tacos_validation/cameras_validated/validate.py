@@ -162,7 +162,6 @@ def _compared(
 def _samples(
     cameras: Mapping[str, CaptureFolder], patches: Mapping[str, CameraPatch], seed: int
 ) -> dict[str, tuple[NDArray[np.uint8], ...]]:
-    """A frame of each camera, real and simulated, of the richest kind it has."""
     samples = {}
     for name, folder in cameras.items():
         shown = [c for c in folder.captures if c.kind in SHOWN and c.expected_dn is not None]
@@ -173,7 +172,6 @@ def _samples(
 
 
 def _in_any(effects: Sequence[PlacedEffect], capture: RealCapture) -> Sequence[PlacedEffect]:
-    """Effects that are the same in every capture, as those of a patch are."""
     del capture
     return effects
 

@@ -42,7 +42,6 @@ class Replay:
         return float(np.mean(self.light_dn >= self.recording.top_dn)) if self.ratio < 1 else 0.0
 
     def lacks(self) -> tuple[Lack, ...]:
-        """Lacks of the source that bear on this target."""
         if self.ratio > 1:
             return ("noise",)
         return ("blur", "highlights") if self.clipped > 0 else ("blur",)

@@ -72,7 +72,6 @@ class SourceFindings:
 
 
 def tolerance(inliers: float) -> float:
-    """Largest difference at which two scores agree."""
     return max(TOLERANCE * inliers, LEAST_TOLERANCE)
 
 

@@ -125,7 +125,6 @@ class Run:
             self.after_rounds = self._recommendation()
 
     def _pass_checkpoints(self, spent: int) -> None:
-        """The checkpoints that lie below what is spent get what was recommended last."""
         for checkpoint in self.checkpoints[len(self.stands) :]:
             if checkpoint >= spent:
                 return

@@ -41,7 +41,6 @@ class Stepped(Continuous):
         return tuple(self._point(place) for place in range(last + 1))
 
     def decode(self, genes: Sequence[float]) -> tuple[float, tuple[float, ...]]:
-        """The nearest step."""
         last = math.floor((self.upper - self.lower) / self.step + 1e-9)
         value = self._point(min(max(round((float(genes[0]) - self.lower) / self.step), 0), last))
         return value, (value,)

@@ -63,7 +63,6 @@ def held_out_scenes(asked: HeldOut) -> list[EpisodeSpec]:
 
 
 def values_text(values: Mapping[str, Any]) -> str:
-    """A camera in a line, parts by their names."""
     shown = {name: value["name"] if isinstance(value, Mapping) else value for name, value in values.items()}
     return ", ".join(
         f"{name} {value:g}" if isinstance(value, float) else f"{name} {value}"

@@ -53,7 +53,6 @@ class FilledTogether:
                 raise GivenUp
 
     def leave(self) -> None:
-        """One member asks for nothing any more."""
         with self._changed:
             self._members -= 1
             self._changed.notify_all()

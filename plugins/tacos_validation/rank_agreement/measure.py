@@ -132,8 +132,6 @@ class RankAgreement:
 
 
 class _Judge:
-    """The fitness of cameras on any choice of scenes."""
-
     def __init__(self, values: Mapping[str, Mapping[str, Any]], rows: Rows, fitness: Fitness) -> None:
         self._values, self._rows, self._fitness = values, rows, fitness
 

@@ -28,7 +28,6 @@ class RankedLight:
 
     @property
     def ranked(self) -> tuple[str, ...]:
-        """The cameras that have a fitness in both."""
         quick, full = (self.evaluations[size] for size in SIZES)
         return tuple(n for n in quick if quick[n].fitness is not None and full[n].fitness is not None)
 
@@ -76,7 +75,6 @@ class RankOutcome:
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """Why the gate is not passed, a sentence for each reason."""
         found = []
         for light in self.lights:
             tau = light.agreement.tau
@@ -104,7 +102,6 @@ class RankOutcome:
 
     @property
     def shared(self) -> str:
-        """Assumptions that both studies share, and that their agreement therefore does not test."""
         halves = [
             f"{light.of_halves:.2f} by {light.name}" for light in self.lights if light.of_halves is not None
         ]

@@ -40,7 +40,6 @@ class StudiesComparison:
 
     @property
     def scores(self) -> list[str]:
-        """All that every study reports: the fitness, what it takes, and the rest."""
         known = scores_of(self.outcomes)
         return list(dict.fromkeys([FITNESS, *(name for name in self.counted if name in known), *known]))
 

@@ -48,7 +48,6 @@ class VariantDifference:
 
 
 def scores_of(outcomes: Sequence[StudyOutcome]) -> list[str]:
-    """The scores that every study reports; the fitness first."""
     common = [name for name in outcomes[0].scores if all(name in each.scores for each in outcomes)]
     return sorted(common, key=lambda name: name != FITNESS)
 

@@ -95,7 +95,6 @@ def findings(
 
 
 def _with_best(found: Sequence[RowResult], columns: Sequence[SummaryColumn]) -> tuple[RowResult, ...]:
-    """The rows with the best figure of each column marked."""
     marked = [list(row.cells) for row in found]
     for number, column in enumerate(columns):
         middles = [cells[number].middle for cells in marked]

@@ -84,7 +84,6 @@ class StudiesTable:
         return study_recipe(study.problem or self.config.problem, changes, key="problem")
 
     def _missing(self, study: Planned) -> Iterator[Fault]:
-        """Demands of rows and columns on a study that it will not meet."""
         cameras = [DESIGNED, *(camera.name for camera in study.plan.cameras)]
         for number, row in enumerate(self.config.rows):
             if row.study == study.name and row.camera not in cameras:

@@ -46,7 +46,6 @@ class ValidationFindings:
         return rank_agreement(ours, theirs)
 
     def at_pair(self, setting: int, pair: int) -> Agreement:
-        """Agreement on the cameras between two neighbouring places."""
         ours, theirs = (self.scores(taken)[setting, ..., pair] for taken in self._both)
         return rank_agreement(ours, theirs)
 

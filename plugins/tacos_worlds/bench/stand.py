@@ -73,7 +73,6 @@ def square(distance_m: float, half_m: float) -> MeshPart:
 
 
 def panel(distance_m: float) -> Light:
-    """A panel of light above the camera that faces the middle of a target."""
     elevation = math.radians(PANEL_ELEVATION_DEG)
     towards = np.array([math.cos(elevation), 0.0, -math.sin(elevation)])
     up = np.array([math.sin(elevation), 0.0, math.cos(elevation)])

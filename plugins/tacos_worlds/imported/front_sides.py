@@ -47,7 +47,6 @@ def facing_the_eye(
 def _looks(
     patches: Sequence[Patch], occlusion: Occlusion, eyes_m: NDArray[np.float64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """How often each patch is met from its front and from its back."""
     chosen = eyes_m[np.linspace(0, len(eyes_m) - 1, min(_EYES, len(eyes_m))).astype(int)]
     directions = np.tile(_sphere(_RAYS_PER_EYE), (len(chosen), 1)).astype(np.float32)
     hits = occlusion.first_hits(np.repeat(chosen, _RAYS_PER_EYE, axis=0).astype(np.float32), directions)
@@ -101,7 +100,6 @@ def with_back(patch: Patch) -> Patch:
 
 
 def _agreeing(patch: Patch) -> Patch:
-    """Normals on the side that the triangles face."""
     if patch.normals is None:
         return patch
     total = np.zeros_like(patch.vertices_m)

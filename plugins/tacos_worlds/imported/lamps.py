@@ -118,7 +118,6 @@ def panel_luminance_cd_m2() -> NDArray[np.float64]:
 
 
 def strongest(lights: Sequence[Light], most: int = MOST_LIGHTS) -> list[Light]:
-    """The strongest lights, with the light of the others added to them."""
     if len(lights) <= most:
         return list(lights)
     power = np.array([float(photopic(light.flux_lm)) for light in lights])

@@ -56,7 +56,6 @@ class Sources:
 
 
 def geometry(patches: Sequence[Patch]) -> tuple[Occlusion, NDArray[np.int32]]:
-    """The triangles of patches for rays, and the object of each."""
     up = np.array([0.0, 0, 1])
     parts = tuple(
         _part(p if p.normals is not None else replace(p, normals=np.tile(up, (len(p.vertices_m), 1))))

@@ -169,7 +169,6 @@ def _recorded(config: ImportedSettings, read: Read) -> tuple[Trajectory | None, 
 
 
 def _idle(config: ImportedSettings, read: Read, rules: Sequence[Rule]) -> Iterator[Fault]:
-    """Rules of the table that match nothing: most likely misspelt."""
     names = {name for surface in read.model.surfaces for name in surface.path}
     for rule in unused_rules(read.model.surfaces, rules):
         yield Fault(

@@ -116,7 +116,6 @@ def stepped_on(
 
 
 def _penalised(floor: Floor) -> csr_array:
-    """The steps, longer where things are near."""
     lack = np.clip(1 - floor.clearance_m / _COMFORT_M, 0, 1)
     steps = coo_array(floor.steps)
     cost = steps.data * (1 + 1.5 * (lack[steps.row] ** 2 + lack[steps.col] ** 2))

@@ -108,7 +108,6 @@ class Bundle:
         return self.adjusted(effects).shared[self._starts[place] : self._starts[place + 1]]
 
     def nuisances(self, view: int, effects: Sequence[PlacedEffect]) -> dict[str, Any]:
-        """What was fitted beside the pose of a view: how far its paper bends, and an unstated lens."""
         found = self.adjusted(effects)
         board = self.views[view].board
         told: dict[str, Any] = {}

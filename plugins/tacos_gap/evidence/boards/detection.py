@@ -106,7 +106,6 @@ def _chessboard(grey: NDArray[np.uint8], size: tuple[int, int]) -> NDArray[np.fl
 
 
 def _at_a_glance(grey: NDArray[np.uint8], size: tuple[int, int]) -> bool:
-    """True if a good view of such a chessboard is there."""
     return min(size) >= 3 and bool(cv2.findChessboardCorners(next(_sizes(grey))[0], size, flags=_FLAGS)[0])
 
 

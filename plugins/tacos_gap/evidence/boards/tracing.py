@@ -30,7 +30,6 @@ Points = NDArray[np.float64]
 
 
 def moving(effects: Sequence[PlacedEffect]) -> list[PlacedEffect]:
-    """Those that do nothing but move pixels, in the order of image formation."""
     return sorted((e for e in effects if moves_pixels(e.cls)), key=lambda e: formation_order(e.cls))
 
 

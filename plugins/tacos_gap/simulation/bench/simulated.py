@@ -135,7 +135,6 @@ class CaptureBench:
         return response_of(sensor, channels)[0]
 
     def _light(self, shot: BenchShot) -> Rendered:
-        """The scene under the reference light; rendered anew only where it differs from the last."""
         if shot.scene is None:
             size = (1, self._camera.height_px, self._camera.width_px, 3)
             return without_world(self._camera, np.zeros(size, np.float32))

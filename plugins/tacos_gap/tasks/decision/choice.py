@@ -50,7 +50,6 @@ def choice(before: RankedCameras, after: RankedCameras) -> Choice:
 
 
 def sentence(before: RankedCameras, after: RankedCameras, found: Choice, confidence: float) -> str:
-    """Change of the ranking and of the choice, with its certainty."""
     first, second = before.order, after.order
     if first == second:
         text = f"The ranking of the cameras stays: {', '.join(second)}."

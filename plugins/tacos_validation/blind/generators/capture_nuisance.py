@@ -68,8 +68,6 @@ class _OffPlace:
 
 @dataclass(frozen=True, eq=False)
 class _OffLamp:
-    """A look in other light than believed."""
-
     look: Look
     camera: IdealCamera
     off: CaptureNuisance

@@ -28,7 +28,6 @@ def write_folder(
     sensor_seed: int,
     off: Mapping[str, CaptureNuisance] | None = None,
 ) -> None:
-    """Take all pictures with the camera with its effects and write them beside what the simulator expects."""
     folder.mkdir(parents=True)
     captures = [
         _capture(

@@ -87,7 +87,6 @@ def _sensor(seed: int, name: str) -> np.random.Generator:
 
 
 def moved(shot: IdealShot, seconds: float) -> IdealShot:
-    """The same a little later: what is seen has moved on."""
     vx, vy = shot.velocity_px_s
     look = shot.look
     return replace(shot, look=lambda x, y, channel: look(x - vx * seconds, y - vy * seconds, channel))

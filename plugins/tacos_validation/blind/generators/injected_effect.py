@@ -58,5 +58,4 @@ class InjectedEffect:
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """The parameters in the catalogue's names and units."""
         return dict(vars(self))

@@ -69,7 +69,6 @@ def member(
 
 
 def against_wall(thing: Piece, *, gap_m: float = 0.03) -> Member:
-    """A piece with its back to the wall, a little off it."""
     return member(thing, 0.0, thing.size_m[1] / 2 + gap_m)
 
 

@@ -75,7 +75,6 @@ def sofa_at_wall(rng: np.random.Generator, make: Make, style: Style) -> Arrangem
 
 
 def bed_between_lamps(rng: np.random.Generator, make: Make, style: Style, kind: str) -> Arrangement:
-    """A bed with night stands and lamps, half on a rug."""
     made = make(kind)
     members = [against_wall(made), rug(rng, style, made.size_m[0] + 1.0, 1.5, y_m=made.size_m[1] * 0.75)]
     for end in (-1, 1) if kind == "bed" else (int(rng.choice([-1, 1])),):
@@ -87,7 +86,6 @@ def bed_between_lamps(rng: np.random.Generator, make: Make, style: Style, kind: 
 
 
 def workplace(rng: np.random.Generator, make: Make, style: Style) -> Arrangement:
-    """A desk at the wall with a computer that faces the chair before it."""
     desk, screen, seat = make("desk"), make("computer"), make("office_chair")
     base = against_wall(desk)
     middle = base.footprint.y0 + desk.size_m[1] * 0.47
@@ -107,7 +105,6 @@ def workplace(rng: np.random.Generator, make: Make, style: Style) -> Arrangement
 
 
 def table_with_chairs(rng: np.random.Generator, make: Make, style: Style) -> Arrangement:
-    """A dining table, four to six chairs around it, a plant on it."""
     table, seat = make("dining_table"), make("dining_chair")
     width, depth, height = table.size_m
     members = [

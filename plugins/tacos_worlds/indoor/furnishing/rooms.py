@@ -42,7 +42,6 @@ class Furnisher:
     triangles: int  # beyond this many triangles nothing is added that the room can do without
 
     def furnish(self, kind: str) -> None:
-        """Furnish the room as a kind of :data:`ROOM_KINDS`, and switch on its lamps."""
         essential, more, toys = ROOM_KINDS[kind]
         essential(self)
         toy_count = int(self.rng.poisson(toys * 2 * self.clutter))
