@@ -2,7 +2,8 @@
 
 ``design`` and ``diagnose`` run a study or a diagnosis in one call and give its results as data frames.
 ``run`` and ``load_recipe`` do what ``tacos-run`` does, ``read_result`` and ``read_diagnosis`` read what came
-out, and ``render`` gives frames in one line. What plugins need besides is in `tacos_framework`.
+out, ``plot`` draws figures of that, and ``render`` gives frames in one line. What plugins need besides is in
+`tacos_framework`.
 
 Examples
 --------
@@ -17,6 +18,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from tacos import plot as plot
     from tacos.one_call import design as design
     from tacos.one_call import diagnose as diagnose
     from tacos_decision import read_result as read_result
@@ -50,6 +52,8 @@ if not TYPE_CHECKING:  # what is not above is an error to type checkers
 
     def __getattr__(name: str) -> Any:
         """Import names on first use, so that importing the package costs nothing."""
+        if name == "plot":
+            return import_module("tacos.plot")
         if name not in _HOME_OF:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         return getattr(import_module(_HOME_OF[name]), name)

@@ -80,6 +80,6 @@ def _sentence(title: str, found: PairedInterval, confidence: float) -> str:
             )
         case _:
             return (
-                f"{scenes} do not tell whether the designed camera or {title} is better ({interval}): "
+                f"{scenes} do not decide if the designed camera or {title} is better ({interval}): "
                 "set test.most_episodes higher, so that more scenes are added."
             )

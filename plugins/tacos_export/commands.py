@@ -105,4 +105,4 @@ def _tell(notes: list[str], assumed: tuple[str, ...]) -> None:
     for note in notes:
         print(f"note: {note}")
     if assumed:
-        print(f"note: nobody gave {', '.join(assumed)}: the middle of what it may be")
+        print(f"note: not set: {', '.join(assumed)}; using the middle of its range")

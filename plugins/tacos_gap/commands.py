@@ -18,9 +18,13 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
     guide = actions.add_parser("guide", help="say what to photograph, in order")
-    guide.add_argument("effect", metavar="EFFECT", nargs="?", help="what this effect needs, e.g. vignetting")
+    guide.add_argument("effect", metavar="EFFECT", nargs="?", help="captures for one effect, e.g. vignetting")
     guide.add_argument(
-        "--for", metavar="FILE", dest="diagnosis", type=Path, help="what would settle this diagnosis.json"
+        "--for",
+        metavar="FILE",
+        dest="diagnosis",
+        type=Path,
+        help="captures that would settle the open questions of a diagnosis.json",
     )
     _add_import(actions)
     simulate = actions.add_parser("simulate", help="make a folder of captures from our simulator")
@@ -57,7 +61,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     view.add_argument(
         "--out", metavar="FILE", type=Path, help="the page; contact_sheet.html in the folder by default"
     )
-    check = actions.add_parser("check", help="check a folder; say what it holds and what it cannot tell")
+    check = actions.add_parser(
+        "check", help="check a folder: contents, faults, and effects that it cannot show"
+    )
     check.add_argument("folder", metavar="DIR", type=Path, help="folder with captures.yaml")
 
 
@@ -208,7 +214,7 @@ def described(folder: CaptureFolder, considered: Candidates) -> Iterator[str]:
         yield from (f"  {text}" for text in gathered(folder.limitations))
         yield from (f"  {text}" for text in considered.limitations)
     if lacking := untold(folder.captures, considered.effects):
-        yield from ("", "What these captures cannot tell, and what would")
+        yield from ("", "Effects that these captures cannot show, and captures that would")
         yield from (f"  {', '.join(effects)}: {remedy}" for remedy, effects in lacking.items())
 
 

@@ -43,7 +43,7 @@ RENDERERS = {
 EFFECTS = {
     "pose-error": (
         "pose_error:PoseError",
-        "The camera is not where the simulator believes: a turn and a shift.",
+        "A rotation and a shift of the camera from its pose in the simulation.",
     ),
     "illumination-gradient": (
         "illumination_gradient:IlluminationGradient",
@@ -51,7 +51,7 @@ EFFECTS = {
     ),
     "focal-length-error": (
         "focal_length_error:FocalLengthError",
-        "Another focal length and principal point than believed.",
+        "A focal length and principal point other than those of the simulation.",
     ),
     "lens-distortion": (
         "lens_distortion:LensDistortion",
@@ -73,7 +73,7 @@ EFFECTS = {
     ),
     "motion": (
         "motion:Motion",
-        "Blur and rolling shutter of what is rendered, by the agent's motion and that of things.",
+        "Blur and rolling shutter from the motion of the agent and of objects.",
     ),
     "rolling-shutter": (
         "rolling_shutter:RollingShutter",
@@ -114,7 +114,7 @@ EFFECTS = {
     ),
     "read-noise": ("read_noise:ReadNoise", "Further noise in the dark, Gaussian or with heavier tails."),
     "row-noise": ("row_noise:RowNoise", "Rows and columns that jump from frame to frame."),
-    "black-level": ("black_level:BlackLevel", "A pedestal other than the simulator believes."),
+    "black-level": ("black_level:BlackLevel", "A pedestal other than that of the simulation."),
     "quantisation": (
         "quantisation:Quantisation",
         "A converter with coarser steps than the file, or one that rounds down.",

@@ -11,7 +11,7 @@ from tacos_framework import DONE, FAILED, Command, Fault, UserError
 def commands() -> list[Command]:
     return [
         Command("report", "write the report of a study anew", _arguments, _report),
-        Command("verify", "check the files of a study: what is whole, what is damaged", _arguments, _verify),
+        Command("verify", "verify the checksums of a run", _arguments, _verify),
     ]
 
 

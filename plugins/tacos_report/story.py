@@ -45,7 +45,7 @@ def headline(study: StudyData) -> str:
     if study.designed is None:
         return "No camera was found: not one candidate could be scored."
     if study.analysis.degenerate:
-        return "This study names no camera: it cannot tell one from another."
+        return "This study names no camera: its scores do not separate them."
     what = f"The best camera found: {design_words(study.designed.camera)}"
     if (decision := study.analysis.decision) is not None:
         title = study.title_of(decision.comparison.against)

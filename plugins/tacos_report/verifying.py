@@ -22,9 +22,9 @@ from tacos_framework.store import (
 from tacos_framework.study import EVALUATIONS, KeptCheckpoint, KeptJob, checked_type
 
 MEANINGS: Mapping[str, str] = {
-    DATABASE: "The run cannot go on, and nothing tells whether its other files are whole.",
+    DATABASE: "The run cannot go on, and its other files cannot be verified.",
     RECIPE: "The run cannot go on; what came out stands.",
-    MANIFEST: "Nothing tells whether code and files are still those it was begun with, so it cannot go on.",
+    MANIFEST: "Code and files cannot be compared with those at its start, so it cannot go on.",
     "result.json": "Do not rely on it; --resume writes it anew.",
     "weights": "What the tasks have learnt is lost, so the run cannot go on.",
     "samples": "The picture may show anything; --resume takes it anew.",

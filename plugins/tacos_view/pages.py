@@ -97,7 +97,11 @@ def write_rendering(out: Path, rendering: Rendering, what: str, assumed: Sequenc
             )
             rows.append(SideBySide(pictures))
     notes = (
-        [PageWarnings("Assumed", tuple(f"{name}: the middle of what it may be" for name in assumed))]
+        [
+            PageWarnings(
+                "Assumed", tuple(f"{name} is not set; using the middle of its range" for name in assumed)
+            )
+        ]
         if assumed
         else []
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tacos_framework.catalog.cameras import OffTheShelf, camera_names, load_cameras
-from tacos_framework.catalog.checks import CURRENCIES
+from tacos_framework.catalog.checks import CURRENCIES, in_words
 from tacos_framework.catalog.parts import Catalog, CatalogColumn
 from tacos_framework.catalog.reader import catalog_names, find_catalog, read_catalog
 from tacos_framework.values.catalog_part import CatalogPart, Grade
@@ -18,6 +18,7 @@ __all__ = [
     "camera_names",
     "catalog_names",
     "find_catalog",
+    "in_words",
     "load_cameras",
     "read_catalog",
 ]

@@ -22,12 +22,12 @@ class CatalogCamera(Settings):
     """A camera in a file."""
 
     title: str = setting(help="Its name for people.", min_length=1)
-    maker: str = setting(help="Who makes it.", min_length=1)
+    maker: str = setting(help="Maker.", min_length=1)
     rig: str = setting(
         help="The rig whose variables it fixes, as in rig.monocular.", pattern=r"^rig\.[a-z-]+$"
     )
     fixes: dict[str, Any] = setting(help="Variables of the rig and their values.", min_length=1)
-    sources: tuple[str, ...] = setting(help="Who says so.", min_length=1)
+    sources: tuple[str, ...] = setting(help="Source.", min_length=1)
     notes: tuple[str, ...] = setting((), help="What a reader of a comparison should know.")
 
 

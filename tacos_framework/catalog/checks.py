@@ -174,11 +174,25 @@ def checked_value(column: CatalogColumn, given: Any) -> tuple[Value, str, str]:
 
 def unit_of(name: str) -> str | None:
     """The unit the end of a column's name stands for; None where it names none."""
-    words = name.lower().split("_")
+    return _stem_and_unit(name)[1]
+
+
+def in_words(column: str) -> str:
+    """A column's name for sentences.
+
+    >>> in_words("full_well_e"), in_words("dark_current_e_s"), in_words("colour")
+    ('full well [e-]', 'dark current [e-/s]', 'colour')
+    """
+    stem, unit = _stem_and_unit(column)
+    return stem.replace("_", " ") + (f" [{unit}]" if unit else "")
+
+
+def _stem_and_unit(name: str) -> tuple[str, str | None]:
+    words = name.split("_")
     for count in (2, 1):
-        if len(words) > count and (unit := UNITS.get("_".join(words[-count:]))):
-            return unit
-    return None
+        if len(words) > count and (unit := UNITS.get("_".join(words[-count:]).lower())):
+            return "_".join(words[:-count]), unit
+    return name, None
 
 
 def _settle_sizes(values: dict[str, Value], provenance: dict[str, str]) -> list[str]:

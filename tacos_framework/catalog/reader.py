@@ -42,7 +42,7 @@ class ColumnEntry(Settings):
 class SourceEntry(Settings):
     """A source that values and parts name by its key."""
 
-    title: str = setting(help="Who says so, in full.", min_length=1)
+    title: str = setting(help="The source, in full.", min_length=1)
     grade: Grade | None = setting(None, help="How far it can be trusted.")
 
 
@@ -80,7 +80,7 @@ class PartEntry(Settings):
 
     source: str | None = setting(None, help="Where its values come from.")
     grade: Grade | None = setting(None, help="How far they can be trusted.")
-    doubts: tuple[str, ...] = setting((), help="What is probably wrong.")
+    doubts: tuple[str, ...] = setting((), help="Probable faults.")
     notes: tuple[str, ...] = setting((), help="Anything else.")
 
 
@@ -88,7 +88,7 @@ class ValueEntry(Settings):
     """A value with its own source: ``full_well_e: {value: 11000, source: ..., grade: measurement}``."""
 
     value: float | str = setting(help="The value.")
-    source: str = setting(help="Who says so.", min_length=1)
+    source: str = setting(help="Source.", min_length=1)
     grade: Grade | None = setting(None, help="How far it can be trusted.")
 
 

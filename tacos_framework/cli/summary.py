@@ -38,7 +38,7 @@ def summary(result: Mapping[str, Any], out: Path) -> str:
         if doubt := Exposed(**shares).doubt:
             lines.append(f"Sample frames of {name}: {doubt}.")
     if full := [name for name, spread in result.get("scores", {}).items() if spread["full"]]:
-        lines.append(f"Told no cameras apart: {', '.join(full)}; the report says what to change.")
+        lines.append(f"Scores that separate no cameras: {', '.join(full)}; the report says what to change.")
     lines.append(f"{result['frames_rendered']} images in {result['seconds']:.0f} s; {result['stopped']}.")
     lines.append(f"Report: {out / 'report.html'}" if (out / "report.html").exists() else f"Results: {out}")
     return "\n".join(lines)

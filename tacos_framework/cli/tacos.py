@@ -25,7 +25,7 @@ def parser(plugins: Plugins) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
     listed = commands.add_parser("plugins", help="components that are installed, and plugins that are broken")
     listed.add_argument(
-        "--members", action="store_true", help="load them, and list members that no contract knows"
+        "--members", action="store_true", help="load them, and list members that no contract has"
     )
     commands.add_parser("doctor", help="check this machine: OpenGL, cores, torch, plugins")
     for command in plugins.offers.commands(taken=tuple(commands.choices)):
@@ -94,7 +94,7 @@ def _unread_members(plugins: Plugins) -> None:
     """List what the framework never reads of a component: helpers of its author, or names meant otherwise."""
     from tacos_framework.plugins.contract_check import unread_members
 
-    print("\nPublic members that no contract knows (helpers, or misspelt names):")
+    print("\nPublic members that no contract has (helpers, or misspelt names):")
     for registered in plugins:
         try:
             cls = plugins.resolve(registered.component.use)

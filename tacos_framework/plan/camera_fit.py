@@ -14,12 +14,12 @@ from tacos_framework.variables.design_space import CatalogChoice, DesignSpace
 
 _FITTING_CAMERA = {
     "sensor": (
-        "a camera of which it knows enough",
-        "Give the missing figures as settings of the node, or choose from a catalog that knows.",
+        "a camera with all the figures it needs",
+        "Give the missing figures as settings of the node, or choose from a catalog that has them.",
     ),
     "effect": (
-        "cameras of which it knows enough",
-        "Set what is missing in the effect, choose from a catalog that knows, or give unknown: assume.",
+        "cameras with all the figures it needs",
+        "Set what is missing in the effect, choose from a catalog that has it, or give unknown: assume.",
     ),
     "task": ("cameras it can judge", "Choose another rig, or other values of its variables."),
 }

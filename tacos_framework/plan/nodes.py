@@ -69,7 +69,7 @@ def _signature(findings: RecipeFindings, name: str, cls: type[Any], kind: str) -
     try:
         return signature_of(cls, kind)
     except (TypeError, NameError) as error:
-        findings.add(("nodes", name, "use"), f"its ports cannot be told: {error}", "", "Correct the plugin.")
+        findings.add(("nodes", name, "use"), f"its ports cannot be read: {error}", "", "Correct the plugin.")
         return None
 
 

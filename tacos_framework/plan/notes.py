@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tacos_framework.catalog import CatalogPart, Grade
+from tacos_framework.catalog import CatalogPart, Grade, in_words
 from tacos_framework.contracts import OptimizerBase, RigBase, SceneBase, SensorBase, optional
 from tacos_framework.plan.component import ConfiguredComponent
 from tacos_framework.plan.feasibility import derived_of, infeasible
@@ -25,13 +25,12 @@ def notes_on_constraints(plan: Plan) -> Iterator[str]:
     for name, variable, parts in _unknown_parts(plan):
         if len(parts) == len(variable.rows):
             yield (
-                f"No part whose {name} is known keeps the constraint on it: all that can be chosen are "
-                f"parts nobody states it of, {_first_of(parts)} ({variable.name}). Relax it, or give "
-                f"unknown: refuse to be told so."
+                f"No part with a published {name} keeps the constraint on it. Not published for "
+                f"{_first_of(parts)} ({variable.name}). Relax the constraint, or set unknown: refuse."
             )
         else:
             yield (
-                f"The constraint on {name} lets pass what nobody states, which is so for "
+                f"The constraint on {name} passes parts that do not publish it: "
                 f"{_first_of(parts)} ({variable.name}); unknown: refuse leaves them out."
             )
     titles = {camera.name: camera.title for camera in plan.cameras}
@@ -168,7 +167,7 @@ def _origins(
             origins = dict(part.instance.origins(camera))
         if not origins:
             continue
-        phrases = (f"{figure} {_phrase(origin)}" for figure, origin in origins.items())
+        phrases = (f"{in_words(figure)} {_phrase(origin)}" for figure, origin in origins.items())
         yield camera.electrons.sensor or "a sensor without a name", "; ".join(phrases)
 
 
@@ -181,7 +180,7 @@ def _to_be_asked(part: CatalogPart) -> Iterator[str]:
     found: dict[tuple[Grade, str], list[str]] = {}
     for column, grade in part.grades.items():
         if grade in ASK_THE_MAKER:
-            found.setdefault((grade, part.provenance.get(column, "")), []).append(column)
+            found.setdefault((grade, part.provenance.get(column, "")), []).append(in_words(column))
     for (grade, source), columns in found.items():
         named = f" ({source})" if source else ""
         yield f"Ask the maker for {', '.join(columns)}, of grade {grade!r} here{named}."

@@ -63,7 +63,7 @@ def _misspelt(kind: str, cls: type[Any]) -> Iterator[str]:
     unused = sorted(known - own)
     for name in sorted(own - known):
         if meant := difflib.get_close_matches(name, unused, n=1, cutoff=ALIKE):
-            yield f"{cls.__name__}.{name} is read by nobody. Did you mean {meant[0]!r}?"
+            yield f"{cls.__name__}.{name} is no member of the contract. Did you mean {meant[0]!r}?"
 
 
 def unread_members(component: Component, cls: type[Any]) -> list[str]:

@@ -43,7 +43,7 @@ class Recipe(Written, Settings):
     model_config = ConfigDict(populate_by_name=True)
 
     tacos: Literal[1] = setting(FORMAT, help="Format of the recipe.")
-    name: str = setting(help="What the study is called.", min_length=1, max_length=200)
+    name: str = setting(help="Name of the study.", min_length=1, max_length=200)
     seed: int = setting(0, help="Everything random follows from it.", ge=0)
     rig: Use = setting(help="The component that builds cameras; variables given here are fixed.")
     design: dict[str, Variable] = setting(help="Variables of the rig, or node.setting.", min_length=1)
@@ -54,24 +54,24 @@ class Recipe(Written, Settings):
         Scenario(), help="Light and exposure; or a list of several, each with a name and a weight."
     )
     exposure: ExposureControl = setting(
-        None, help="Who sets exposure time and gain from frame to frame; fixed as in the scenario if absent."
+        None, help="Control of exposure time and gain by frame; fixed as in the scenario if absent."
     )
     effects: tuple[EffectUse, ...] = setting((), help="Effects of the camera; each acts at its own stage.")
     pipeline: Pipeline = setting(
         {},
-        help="How cameras process their files: effects of the stages isp and codec with their settings, as "
+        help="Processing in the camera: effects of the stages isp and codec with their settings, as "
         "in {tone-curve: {gamma: 0.45}}; or a shipped list, raw, coded or jpeg; or from: such a list.",
     )
     nodes: dict[Name, NodeUse] = setting(help="The graph: components, wired by their ports.", min_length=1)
     fitness: tuple[Weighted, ...] = setting(help="Weighted sum of scores, maximised.", min_length=1)
     objectives: tuple[Aim, ...] = setting((), help="Aims that a front trades off, the fitness among them.")
     optimizer: Use = setting(help="The derivative-free optimizer.")
-    executor: Use | None = setting(None, help="Where candidates are evaluated; in this process if absent.")
-    study: StudySettings = setting(StudySettings(), help="How candidates are compared.")
+    executor: Use | None = setting(None, help="Evaluates candidates; in this process if absent.")
+    study: StudySettings = setting(StudySettings(), help="Episodes, finalists and failures of the study.")
     compare: Compare | None = setting(None, help="Off-the-shelf cameras to set beside the design.")
     test: Test | None = setting(None, help="Scenes the design is tested on.")
     notes: tuple[str, ...] = setting(
-        (), help="What a reader of the results should know; {rig.binning} and the like quote the recipe."
+        (), help="Notes for readers of the results; {rig.binning} and the like quote the recipe."
     )
 
     _document: Document | None = PrivateAttr(None)

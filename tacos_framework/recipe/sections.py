@@ -47,7 +47,7 @@ class EffectUse(Use):
 
     name: str | None = Field(
         None,
-        description="What design variables call it; its component's name if absent.",
+        description="Name in design variables; that of its component if absent.",
         pattern=r"^[a-z][a-z0-9_-]*$",
     )
     cameras: tuple[str, ...] | None = Field(
@@ -124,7 +124,7 @@ class Bounds(Settings):
     word: str | None = setting(None, help="The only allowed word, as in global.", alias="is")
     any_of: tuple[str, ...] = setting((), help="Allowed words, where there are several.")
     unknown: Literal["allow", "refuse"] = setting(
-        "allow", help="What becomes of a part whose value nobody states."
+        "allow", help="Allow or refuse parts without a published value."
     )
 
     @property
@@ -169,7 +169,7 @@ class Scenario(Settings):
 class NamedScenario(Scenario):
     """One of several scenarios."""
 
-    name: str = setting(help="What results and design variables call it.", pattern=r"^[a-z][a-z0-9_]*$")
+    name: str = setting(help="Name in results and design variables.", pattern=r"^[a-z][a-z0-9_]*$")
     weight: float = setting(1.0, help="Its weight in the mean over the scenarios.", gt=0)
 
 

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from tacos_framework import __version__
+from tacos_framework.catalog import in_words
 from tacos_framework.contracts import SceneBase, TaskBase, optional
 from tacos_framework.fitness import standard_errors
 from tacos_framework.plan import Plan
@@ -152,7 +153,7 @@ class Outcome:
         for variable in self.plan.space.as_data():
             if left_out := variable.get("left_out"):
                 yield (
-                    f"Not to choose from, as their {', '.join(variable['columns'])} are not all known: "
+                    f"Left out, as {', '.join(map(in_words, variable['columns']))} are not all published: "
                     f"{', '.join(left_out)} ({variable['catalog']})."
                 )
         if full := full_scores(self._spreads):

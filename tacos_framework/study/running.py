@@ -61,7 +61,7 @@ def run_study(
                 running.run()
             except KeyboardInterrupt:
                 running.broken_off = BROKEN_OFF
-                log.warning("Interrupted. What was computed is kept; --resume goes on from there.")
+                log.warning("Interrupted. All results are kept; --resume continues.")
             except KeepsFailing as error:
                 running.broken_off = f"{DEFECT}: {error}"
                 log.error("%s", running.broken_off)

@@ -76,8 +76,9 @@ def full_scores(spreads: Mapping[str, ScoreSpread]) -> str | None:
         f"{name} (at {spread.value:.3g}, {spread.share_of_variance:.0%} of its variance)".replace("%", " %")
         for name, spread in full.items()
     )
-    which = "No score of the fitness tells" if len(full) == len(spreads) else "These scores do not tell"
+    all_full = len(full) == len(spreads)
+    which = "No score of the fitness separates" if all_full else "These scores do not separate"
     return (
-        f"{which} the cameras of the test apart: {each}. Choose scenes, light or motion in which cameras "
-        "differ, or a score that is graded; to leave them out changes little."
+        f"{which} the cameras of the test: {each}. Choose scenes, light or motion in which cameras "
+        "differ, or a graded score; removing them changes little."
     )

@@ -211,7 +211,7 @@ def test_it_says_what_it_assumes_of_a_shutter():
         camera(shutter=shutter, row_time_us=row_time_us, **named)
         for shutter, row_time_us in ((None, None), ("rolling", None), ("rolling", 20.0))
     )
-    assert effect.origins(unknown) == {"shutter": "taken as global, as nobody states it"}
+    assert effect.origins(unknown) == {"shutter": "assumed global: not published"}
     assert "assumed to be 15 us a row" in effect.origins(rolling)["line time"]
     assert effect.origins(known)["line time"] == "20 us a row, as the catalog states"
     assert strict.lacks(Rig((unknown,))) == "the shutter of IMX is unknown"

@@ -160,7 +160,7 @@ def test_the_command_writes_a_product_of_a_recipe(tmp_path: Path, capsys: pytest
     assert tacos_main(arguments) == 0
     printed = capsys.readouterr().out
     assert printed.startswith("FLIR Flea3:\n")
-    assert "note: nobody gave pitch_deg" in printed
+    assert "note: not set: pitch_deg" in printed
     info = yaml.safe_load((tmp_path / "camera_ros.yaml").read_text())
     assert (info["image_width"], info["image_height"]) == (4000, 3000)
     assert info["camera_matrix"]["data"][0] == pytest.approx(3.6e3 / 1.55)

@@ -25,8 +25,8 @@ def test_sensors_with_the_same_origins_share_a_sentence(toys, monkeypatch):
 
     monkeypatch.setattr(sensor.cls, "origins", origins, raising=False)
     assert list(notes_on_noise(plan, cameras_of(plan, "IMX136", "IMX273", "IMX252"))) == [
-        "Noise simulated for IMX136, IMX252: full_well_e assumed.",
-        "Noise simulated for IMX273: full_well_e as the catalog states.",
+        "Noise simulated for IMX136, IMX252: full well [e-] assumed.",
+        "Noise simulated for IMX273: full well [e-] as the catalog states.",
     ]
 
 

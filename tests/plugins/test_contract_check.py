@@ -260,7 +260,9 @@ def test_a_task_that_learns_is_called_to_fit():
     ],
 )
 def test_a_misspelt_optional_member_is_a_fault(kind, member, meant):
-    assert changed(kind, **{member: ()}) == [f"Mine.{member} is read by nobody. Did you mean {meant!r}?"]
+    assert changed(kind, **{member: ()}) == [
+        f"Mine.{member} is no member of the contract. Did you mean {meant!r}?"
+    ]
 
 
 def test_every_misspelt_member_is_named():

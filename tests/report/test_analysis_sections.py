@@ -54,7 +54,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     del designed["camera"]["focal_length_mm"]
     designed["camera"]["lens"] = LENS
     designed["derived"].update(image_circle_margin_mm=0.4, mount_fits=0.0)
-    result["notes"].append("Nobody states the distortion of DSL219.")
+    result["notes"].append("Not published: the distortion of DSL219.")
     result["environment"]["findings"] = {"OpenGL": "llvmpipe"}
     for place, camera in enumerate(result["cameras"].values()):
         camera["scenarios"] = {"day": {"fitness": 1.4 - place}, "night": {"fitness": 0.5 + place}}
@@ -77,7 +77,7 @@ def page(folder: Path) -> Page:
         "Image circle of the lens covers the sensor: 0.4 mm to spare",
         "Mount of the lens does not fit",
         "price: ask the maker where it matters",
-        "Before you order Nobody states the distortion of DSL219.",
+        "Before you order Not published: the distortion of DSL219.",
         "P(better than FLIR Flea3)",
         "LINE4K megapixels is 31.2",
         "not stated: power",
@@ -103,7 +103,7 @@ def test_parts_left_out_for_one_reason_share_a_row() -> None:
 
 
 def test_a_note_on_a_part_to_buy_stands_with_that_part_alone(page: Page) -> None:
-    assert page.text.count("Nobody states the distortion of DSL219.") == 1
+    assert page.text.count("Not published: the distortion of DSL219.") == 1
     assert page.text.count("Before you rely on this") == 1
 
 

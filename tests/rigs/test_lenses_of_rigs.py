@@ -123,7 +123,7 @@ def test_fisheyes_may_leave_corners_dark_and_say_so():
     sensor = SensorPart(**T265)
     assert "image_circle_margin_mm" not in derived_fit(LensPart(**fisheye), sensor)
     said = notes(lens=fisheye)
-    assert "Nobody states the projection of F; it is simulated as equidistant." in said
+    assert "Not published: the projection of F; it is simulated as equidistant." in said
     assert "leaves 26 % of the image dark" in said  # 1 - pi 1.2^2 / (2.544 2.4), but for what the edges cut
     assert not list(
         notes_on_fit(LensPart(**{**fisheye, "projection": "equisolid", "f_number_min": 2}), sensor)

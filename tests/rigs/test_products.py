@@ -82,8 +82,8 @@ def test_what_nobody_states_is_no_cost() -> None:
     builder, variables = monocular(bare)
     assert set(builder.derived(variables)) & set(COST_UNITS) == {"image_width_px", "image_height_px"}
     said = " ".join(builder.notes(variables))
-    assert "Nobody states the f-number of custom" in said
-    assert "Not stated of custom: price, mass_g, power_w." in said
+    assert "Not published: the f-number of custom" in said
+    assert "Not published: price, mass, power of custom." in said
 
 
 def test_coded_images_take_less_of_the_link() -> None:

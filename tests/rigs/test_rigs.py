@@ -238,10 +238,10 @@ def test_what_a_buyer_should_know_of_a_lens():
     ]
     builder, unknown = with_lens(f_number_min=None, image_circle_mm=None, mount=None)
     assert list(builder.notes(unknown)) == [
-        "Nobody states the image circle of L: ask for one of at least 7.8 mm, the diagonal of IMX172.",
-        "Nobody states how far L opens.",
-        "Nobody states the mount of L and the mounts of cameras with IMX172: see that they fit.",
-        "Nobody states the distortion of L; images are simulated without any.",
+        "Not published: the image circle of L; ask for one of at least 7.8 mm, the diagonal of IMX172.",
+        "Not published: the smallest f-number of L.",
+        "Not published: the mount of L and the mounts of cameras with IMX172; check that they fit.",
+        "Not published: the distortion of L; images are simulated without it.",
     ]
     builder, wrong = with_lens({**FLEA3, "mounts": "M12"})
     assert "L has mount C; cameras with IMX172 are sold for M12." in list(builder.notes(wrong))

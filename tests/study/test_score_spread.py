@@ -49,7 +49,7 @@ def test_full_scores_are_named_with_what_to_change():
     assert not spreads["pose.rotation"].full
     assert spreads["seen.ratio"].full
     said = full_scores(spreads)
-    assert said.startswith("These scores do not tell the cameras of the test apart: seen.ratio (at 1, 0 % of")
+    assert said.startswith("These scores do not separate the cameras of the test: seen.ratio (at 1, 0 % of")
     assert "Choose scenes, light or motion" in said
     assert full_scores({"pose.rotation": spreads["pose.rotation"]}) is None
     assert full_scores({"seen.ratio": spreads["seen.ratio"]}).startswith("No score of the fitness tells")

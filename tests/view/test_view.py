@@ -42,7 +42,7 @@ def test_a_scene_and_its_frames_are_written(tmp_path: Path) -> None:
     for name in ("background", "chair", "cup"):
         assert f"</i>{name}</li>" in text
     assert "dog" not in text
-    assert "pitch_deg: the middle of what it may be" in text
+    assert "pitch_deg is not set; using the middle of its range" in text
     assert "://" not in text.replace("http://www.w3.org", "")
 
 

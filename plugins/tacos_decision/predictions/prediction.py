@@ -107,7 +107,7 @@ def read_prediction(path: Path) -> Prediction:
         raise UserError(
             Fault(
                 str(path),
-                "its content is not what was hashed when it was made",
+                "its content was changed after it was hashed",
                 f"content of SHA-256 {data.get('sha256')}",
                 "Take it from the history of your files as it was.",
             )

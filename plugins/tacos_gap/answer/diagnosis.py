@@ -54,7 +54,7 @@ LEAST_BESIDE_UNKNOWN = 0.1
 EDGES_ALONE = "Pictures of nothing but edges"
 EVEN_FIELDS_ALONE = "Captures of nothing but even fields"
 
-CLOSED_FORMS = "what the captures tell by themselves"
+CLOSED_FORMS = "closed-form estimates"
 
 Notify = Callable[[str], None]
 
@@ -148,7 +148,7 @@ def _explained(
     attribution = search.run()
     best, problem = attribution.best, attribution.problem
     left = unexplained(problem, problem.replicate_residuals(best.hypothesis))
-    tell("how far the gap shrinks")
+    tell("closure of the gap")
     held = held_out(attribution)
     causes = causes_of(problem, attribution, left, held, captures, installed, seed)
     if left.score >= 0.5:  # a little of everything fits what nothing explains

@@ -55,7 +55,7 @@ class CropEntry(Settings):
 
 
 class CaptureCamera(Settings):
-    """What the simulator believes of the camera."""
+    """The simulator's description of the camera."""
 
     width_px: Size = setting(help="Width of the files.", unit="px")
     height_px: Size = setting(help="Height of the files.", unit="px")
@@ -76,7 +76,7 @@ class CaptureCamera(Settings):
         unit="px",
     )
     projection: Projection = setting(
-        "rectilinear", help="Projection of the lens as it is believed; effects on boards come on top of it."
+        "rectilinear", help="Assumed projection of the lens; effects on boards come on top of it."
     )
     lens_coefficients: tuple[Place, ...] = setting(
         (), help="Its coefficients in OpenCV's order: k1 to k4 of a fisheye, k1, k2, p1, p2, k3 else."
@@ -186,7 +186,7 @@ class CaptureEntry(Settings):
     """One capture: frames taken with the same settings, or the frames of a sequence."""
 
     id: str = setting(help="Its name.", min_length=1, max_length=200)
-    kind: Kind = setting(help="What it shows.")
+    kind: Kind = setting(help="Its subject.")
     real: Files = setting(help="Files of the frames, or a glob.")
     simulated: FilesOrLevel | None = setting(
         None, help="Expected file values without noise: a file, one per frame, or a number.", unit="DN"
@@ -243,6 +243,6 @@ class FolderEntry(Settings):
     """``captures.yaml``."""
 
     tacos_captures: Literal[1] = setting(help="Format of the file.")
-    camera: CaptureCamera = setting(help="What the simulator believes of the camera.")
+    camera: CaptureCamera = setting(help="The simulator's description of the camera.")
     noise: NoiseEntries = setting("unknown", help="The simulator's noise, or unknown.")
     captures: tuple[CaptureEntry, ...] = setting(help="The captures, one at least.")

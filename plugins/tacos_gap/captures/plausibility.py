@@ -119,7 +119,7 @@ def limitations_of(capture: RealCapture) -> Iterator[str]:
     if (real >= context.white_level_dn).mean() > CLIPPED_SHARE:
         yield f"{capture.id}: nearly all pixels are saturated; only saturation can be measured."
     elif capture.kind != "dark" and real.max() == real.min():
-        yield f"{capture.id}: every pixel is {real.min():g}; a constant image tells nothing."
+        yield f"{capture.id}: every pixel is {real.min():g}; a constant image has no information."
     elif capture.kind != "dark" and (real <= 0).mean() > CLIPPED_SHARE:
         yield f"{capture.id}: nearly all pixels are 0; only the dark can be measured."
     if capture.frames == 1 and capture.kind != "board":

@@ -91,8 +91,8 @@ class _Reader:
         self.expected = ExpectedValues(entry, self.files, render)
         if entry.camera.focal_length_mm is None and all(each.kind != "board" for each in entry.captures):
             self.limitations.append(
-                f"focal_length_mm is not stated, and there are no boards to tell it: {FOCAL_LENGTH_MM:g} mm "
-                f"is assumed. Nothing is said about it."
+                f"focal_length_mm is not stated, and no boards show it: {FOCAL_LENGTH_MM:g} mm is assumed. "
+                f"Nothing is said about it."
             )
 
     def capture(self, i: int) -> RealCapture | None:
@@ -159,8 +159,7 @@ class _Reader:
         self.limitations += doubt_of_files(entry.id, [path.suffix for path in paths])
         if entry.kind == "board" and (entry.simulated is not None or entry.scene is not None):
             self.limitations.append(
-                f"{entry.id}: what is simulated is not used; a board is compared with the pose that fits it "
-                f"best."
+                f"{entry.id}: `simulated` is not used; a board is compared with its best pose."
             )
 
     def _valid(self, i: int, entry: CaptureEntry, shape: tuple[int, int]) -> NDArray[np.bool_]:

@@ -54,7 +54,7 @@ class InUse:
             return "Pan evenly past a vertical edge: rows read one after the other slant it, blur does not."
         if all(blur.share is None for blur in self.blurs):
             return (
-                "Record the same scene in faster motion, at rest before: so far nothing moves enough to tell."
+                "Record the same scene in faster motion, at rest before: so far there is too little motion."
             )
         return ""
 
@@ -150,14 +150,14 @@ def in_words(found: InUse) -> str:
     lines += [_of_blur(blur) for blur in found.blurs]
     named = [name for causes in found.causes_at_rest.values() for name in causes]
     lines.append(f"At rest: {', '.join(named) or 'nothing'} named.")
-    lines += [f"Not to be told apart: {' and '.join(each)}." for each in found.not_separated]
+    lines += [f"Not separable: {' and '.join(each)}." for each in found.not_separated]
     return "\n".join([*lines, found.next_picture]).strip()
 
 
 def _of_blur(blur: MotionBlur) -> str:
     where = f"{blur.exposure_ms:g} ms: {blur.frames_at_rest} frames at rest, {blur.frames_moving} in motion"
     if blur.share is None or blur.interval is None:
-        return f"{where}; too little motion to tell."
+        return f"{where}; too little motion to decide."
     low, high = blur.interval
     share = (
         f"{blur.share:.2f} ({low:.2f} to {high:.2f}) of the blur that a path of {blur.path_px:.1f} px makes"

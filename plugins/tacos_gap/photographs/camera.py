@@ -145,7 +145,7 @@ def _settle_black(camera: _Answers, pictures: Sequence[Picture], given: Given) -
         (dark_dn, "the level of the darks"),
         (raw_dn, _RAW),
         guess=0.0,
-        unsure="The black level is taken to be 0, as in files made for a display; no dark picture tells it. "
+        unsure="The black level is taken to be 0, as in files made for a display; there is no dark picture. "
         "Take one with the cap on (--black-level-dn).",
     )
     black_dn, full_scale_dn = camera.entry["black_level_dn"], 2 ** camera.entry["bit_depth"]
@@ -187,7 +187,7 @@ def _doubts(pictures: Sequence[Picture], entry: dict[str, Any]) -> Iterator[str]
     if any(f.lossy for f in facts):
         yield (
             "The files are lossy, and what a camera does to such files (tone curve, denoising, sharpening, "
-            "JPEG) will be among the causes. RAW files tell more of sensor and lens."
+            "JPEG) will be among the causes. RAW files show more of sensor and lens."
         )
     if software := sorted({f.software for f in facts if f.software and not f.raw}):
         yield f"Written by {', '.join(software)}: make sure that nothing was edited, resized or rotated."

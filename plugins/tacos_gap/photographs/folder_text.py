@@ -12,8 +12,8 @@ from tacos_gap.photographs.camera import CameraFound
 from tacos_gap.photographs.given import Guess
 
 _HEADER = """\
-Written by `tacos captures import`. Correct here what is wrong, then: tacos captures check {folder}
-Nothing is simulated: each capture expects of its target what the pictures themselves tell of it.
+Written by `tacos captures import`. Correct faults here, then: tacos captures check {folder}
+Nothing is simulated: the expectation of each capture is estimated from its own pictures.
 """
 
 _GUESSED = {"kinds": "kind {}", "exposures_ms": "exposure_ms is left open"}

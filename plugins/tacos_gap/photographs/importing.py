@@ -197,8 +197,8 @@ def _doubts(stacks: Sequence[Stack]) -> Iterator[str]:
     scenes = [picture.name for stack in stacks if stack.kind == "scene" for picture in stack.pictures]
     if scenes:
         yield (
-            f"Neither cap, wall, bracket, edge, board nor ColorChecker: {first_of(scenes)}. Nothing is "
-            f"known of what is to be seen there, which is left unused until `simulated` says it."
+            f"Neither cap, wall, bracket, edge, board nor ColorChecker: {first_of(scenes)}. Such "
+            f"pictures are not used until `simulated` gives their expected values."
         )
 
 

@@ -25,7 +25,7 @@ DONE_AT = {
     "measuring the captures": 0.0,
     "trying effects": 0.1,
     RIVALS: 0.75,
-    "how far the gap shrinks": 0.9,
+    "closure of the gap": 0.9,
 }
 """Share of the time that is gone as a stage begins."""
 

@@ -46,7 +46,7 @@ def contact_sheet(folder: Path) -> Page:
         sections.append(Section("Said by the import", tuple(Paragraph(text) for text in said)))
     correct = f"Correct {path}, then:"
     check = f"tacos captures check {shlex.quote(str(path.parent))}"
-    sections.append(Section("If a picture is taken for what it is not", (Paragraph(correct), Code(check))))
+    sections.append(Section("If a picture has the wrong kind", (Paragraph(correct), Code(check))))
     return Page(
         "contact sheet",
         f"{captures_in_words(len(entry.captures))}: {counts}",

@@ -62,14 +62,14 @@ def page(diagnosis: Diagnosis, folder: CaptureFolder, run: Circumstances) -> Pag
     shown = [compare(c, placed(best.hypothesis, c.id), run.seed) for c in to_show(folder.captures, gaps)]
     explained = diagnosis.verdict == "explained"
     sections = [
-        Section("What was photographed", tuple(photographed(folder.captures))),
+        Section("Captures", tuple(photographed(folder.captures))),
         *([Section("Real and simulated", tuple(_frames(shown, explained=explained)))] if shown else []),
         Section("Where the gap lies", tuple(where(diagnosis, numbers, artist))),
-        *([Section("What causes it", tuple(causes(diagnosis, artist)))] if diagnosis.causes else []),
-        Section("How far it shrinks", tuple(_closure(diagnosis))),
-        *([Section("What it does to tasks", tuple(_task(diagnosis)))] if diagnosis.task else []),
+        *([Section("Causes", tuple(causes(diagnosis, artist)))] if diagnosis.causes else []),
+        Section("Closure", tuple(_closure(diagnosis))),
+        *([Section("Consequences for tasks", tuple(_task(diagnosis)))] if diagnosis.task else []),
         *([Section("Does the decision change", tuple(_decision(run.decision)))] if run.decision else []),
-        Section("What these captures cannot tell", tuple(_limits(diagnosis, folder.captures, run))),
+        Section("Limits of these captures", tuple(_limits(diagnosis, folder.captures, run))),
         *([Section("Use the better simulator", tuple(_patch(diagnosis, run)))] if diagnosis.causes else []),
         Section("To repeat it", tuple(_repeat(diagnosis, folder.captures, gaps, run))),
     ]
@@ -118,7 +118,9 @@ def _closure(diagnosis: Diagnosis) -> Iterator[Block]:
     yield Paragraph(words.remainder(diagnosis))
     if nuisances := nuisance_rows(diagnosis.nuisances):
         heads = ("capture", "expected values were off by")
-        yield Folded("What was allowed for: light, pose and focus that nobody knows", Table(heads, nuisances))
+        yield Folded(
+            "Allowed for: light, pose and focus, which are never known exactly", Table(heads, nuisances)
+        )
 
 
 def _task(diagnosis: Diagnosis) -> Iterator[Block]:
@@ -161,7 +163,7 @@ def _limits(diagnosis: Diagnosis, captures: Sequence[RealCapture], run: Circumst
         yield Paragraph(f"Capture next: {capture.kind}. {capture.why[:1].upper()}{capture.why[1:]}.")
     said = words.cannot_tell(diagnosis)
     if not said and diagnosis.next_capture is None:
-        yield Paragraph("Nothing of what was found is open.")
+        yield Paragraph("All findings are proven.")
     for sentence in said:
         yield Paragraph(sentence)
     yield from not_told(captures, run.considered, diagnosis)
@@ -170,8 +172,8 @@ def _limits(diagnosis: Diagnosis, captures: Sequence[RealCapture], run: Circumst
 def _patch(diagnosis: Diagnosis, run: Circumstances) -> Iterator[Block]:
     yield Code(run.patch)
     yield Paragraph(
-        "Stands in patched.yaml, beside this page. If their folder is called out, the next camera is "
-        "designed with it so:"
+        "patched.yaml, beside this page, has these effects. If their folder is called out, design the next "
+        "camera with them:"
     )
     yield Code("tacos-run headset_quick --with out/patched.yaml")
     if own := words.of_this_camera(diagnosis.causes):
@@ -208,4 +210,4 @@ def _repeat(
     facts.append(duration(run.seconds))
     if run.without:
         facts.append(f"not considered: {', '.join(run.without)}")
-    yield Paragraph("; ".join(facts) + ". All numbers stand in diagnosis.json.")
+    yield Paragraph("; ".join(facts) + ". diagnosis.json has all numbers.")

@@ -51,7 +51,7 @@ def photographed(captures: Sequence[RealCapture]) -> Iterator[Block]:
         frames = sum(capture.frames for capture in of_kind)
         count = f"{len(of_kind)} with {frames} frames" if frames > 1 else "1 with 1 frame"
         rows.append((kind, count, TELLS.get(kind, "")))
-    yield Table(("kind", "captures", "what it tells"), tuple(rows))
+    yield Table(("kind", "captures", "shows"), tuple(rows))
 
 
 def _taken(capture: RealCapture) -> str:

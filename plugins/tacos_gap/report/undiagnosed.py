@@ -21,9 +21,9 @@ def undiagnosed_page(
         "Nothing could be measured in these captures",
         "So nothing is said of the gap: neither that there is one, nor that there is none.",
         [
-            Section("What was photographed", tuple(photographed(folder.captures))),
-            Section("Why it tells nothing", tuple(map(Paragraph, gathered(limitations)))),
-            Section("What to photograph", (Paragraph(wanted), *effects_not_shown(folder.captures, effects))),
+            Section("Captures", tuple(photographed(folder.captures))),
+            Section("Why nothing can be diagnosed", tuple(map(Paragraph, gathered(limitations)))),
+            Section("Captures to take", (Paragraph(wanted), *effects_not_shown(folder.captures, effects))),
             Section("To repeat it", (Code(command),)),
         ],
     )

@@ -110,7 +110,7 @@ def picture_remainder(rms_dn: Sequence[float], noise_dn: float, *, explained: bo
     text += f"{number(noise_dn, 2)} DN are noise of the frames themselves, which no simulation removes."
     beyond = max(rms_dn[-1] ** 2 - noise_dn**2, 0.0) ** 0.5
     if len(rms_dn) > 1 and beyond > noise_dn and not explained:
-        text += f" The {number(beyond, 2)} DN beyond it hold what no effect here explains."
+        text += f" The {number(beyond, 2)} DN beyond it are not explained by any effect here."
     elif len(rms_dn) > 1 and beyond > noise_dn:
         text += (
             f" The {number(beyond, 2)} DN beyond it are what the numbers of this page leave out: places off "
@@ -139,7 +139,7 @@ def lead(diagnosis: Diagnosis, captures: int) -> str:
     if not diagnosis.causes:
         return f"{text}Nothing was added."
     return (
-        f"{text}With what is added below, {after} are left (90 % interval {low} to {high}), measured on "
+        f"{text}With the causes below, {after} are left (90 % interval {low} to {high}), measured on "
         "levels, places and captures that neither the effects nor their parameters were chosen by."
     )
 
@@ -158,7 +158,7 @@ def control_sentence(diagnosis: Diagnosis) -> str:
 
 def not_held_out(diagnosis: Diagnosis) -> list[str]:
     return [
-        f"What {effect_words(cause.effect)} closes is not held out: {cause.not_held_out}."
+        f"The closure of {effect_words(cause.effect)} is not held out: {cause.not_held_out}."
         for cause in diagnosis.causes
         if cause.not_held_out
     ]
@@ -202,7 +202,7 @@ def cannot_tell(diagnosis: Diagnosis) -> list[str]:
         )
     if diagnosis.below_floor:
         names = listed([effect_words(name) for name in diagnosis.below_floor])
-        said.append(f"Fits slightly, but by too little to be believed: {names}.")
+        said.append(f"Fits slightly, but by too little to count: {names}.")
     return [*said, *gathered(diagnosis.limitations)]
 
 
@@ -250,7 +250,7 @@ def of_this_camera(causes: Sequence[Cause]) -> str:
 def remainder(diagnosis: Diagnosis) -> str:
     left = diagnosis.unknown
     chance = left.p_value
-    text = f"What is left measures {number(diagnosis.gap_after, 3)} times the noise floor. "
+    text = f"The rest measures {number(diagnosis.gap_after, 3)} times the noise floor. "
     if left.score < 0.1:
         return f"{text}That is no more than a right model of a real camera leaves."
     fraction = "none of" if chance <= 0.06 else f"{share(chance)} of"

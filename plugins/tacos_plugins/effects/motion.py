@@ -51,8 +51,8 @@ class Motion:
         )
         unknown: Literal["assume", "refuse"] = setting(
             "assume",
-            help="What to do with an image sensor whose shutter or line time nobody states: take the shutter "
-            "as global and the line time as assumed_row_time_us, or refuse it.",
+            help="For image sensors without a published shutter or line time: assume a global shutter and "
+            "assumed_row_time_us, or refuse the sensor.",
         )
         assumed_row_time_us: float = setting(
             TYPICAL_ROW_TIME_US,
@@ -85,7 +85,7 @@ class Motion:
         source = "as the catalog states" if self.config.shutter == "part" else "as the recipe sets"
         said = {"shutter": f"{shutter}, {source}"}
         if unknown == "the shutter":
-            said = {"shutter": "taken as global, as nobody states it"}
+            said = {"shutter": "assumed global: not published"}
         if shutter == "rolling":
             said["line time"] = self._said(self._row_time_us(camera), unknown is not None)
         return said

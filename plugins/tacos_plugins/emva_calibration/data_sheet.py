@@ -14,15 +14,15 @@ from tacos_plugins.emva_calibration.levels import Array, Brights, Darks, Selecti
 from tacos_plugins.emva_calibration.measurement import STACK_FRAMES, Channel
 from tacos_plugins.emva_calibration.nonuniformity import SpatialVariance
 
-_NO_PHOTONS = "photons_per_pixel is not given: the light is not known. A calibrated photodiode tells it."
+_NO_PHOTONS = "photons_per_pixel is not given: measure the light with a calibrated photodiode."
 _NO_SATURATION = "no level saturates: the variance never falls. Take brighter levels, up to full scale."
 _CENSORED = "darkness is cut off at 0 DN. Raise the black level of the camera until no dark sample is 0."
-_NO_EXPOSURES = "dark frames of three or more exposure times tell it."
+_NO_EXPOSURES = "needs dark frames of three or more exposure times."
 _NO_STACK = (
-    f"a stack of {STACK_FRAMES} or more frames, better 50, at half saturation and one in darkness tell it."
+    f"needs a stack of {STACK_FRAMES} or more frames, better 50, at half saturation and one in darkness."
 )
 _NO_LINEARITY = (
-    "three or more levels whose photons or exposures differ, between 5 and 95 % of saturation, tell it."
+    "needs three or more levels of different photons or exposures, between 5 and 95 % of saturation."
 )
 _ROUNDED = "an upper limit: the variance of darkness is below 0.24 DN², where rounding hides the noise."
 

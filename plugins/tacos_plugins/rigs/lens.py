@@ -47,7 +47,7 @@ class LensPart(PricedPart):
     mass_g: float | None = setting(None, help="Mass, if known.", unit="g", gt=0)
     projection: Projection | Literal["fisheye"] = setting(
         "rectilinear",
-        help="Its projection; that of a fisheye of which nobody states it is taken as equidistant.",
+        help="Its projection; fisheye, where it is not published, is taken as equidistant.",
     )
     coefficients: Coefficients = setting((), help="Coefficients of the projection, in OpenCV's order.")
     curve: str | None = setting(
@@ -115,18 +115,18 @@ def derived_fit(lens: LensPart, sensor: SensorPart) -> dict[str, float]:
 def notes_on_fit(lens: LensPart, sensor: SensorPart) -> Iterator[str]:
     """Notes for buyers of the two."""
     if lens.projection == "fisheye" and lens.curve is None:
-        yield f"Nobody states the projection of {lens.name}; it is simulated as equidistant."
+        yield f"Not published: the projection of {lens.name}; it is simulated as equidistant."
     if lens.image_circle_mm is None and lens.curve is None:
         yield (
-            f"Nobody states the image circle of {lens.name}: ask for one of at least "
+            f"Not published: the image circle of {lens.name}; ask for one of at least "
             f"{sensor.diagonal_mm:.1f} mm, the diagonal of {sensor.name}."
         )
     if lens.f_number_min is None:
-        yield f"Nobody states how far {lens.name} opens."
+        yield f"Not published: the smallest f-number of {lens.name}."
     if lens.mount is None or sensor.mounts is None:
         unstated = [f"the mount of {lens.name}"] if lens.mount is None else []
         unstated += [f"the mounts of cameras with {sensor.name}"] if sensor.mounts is None else []
-        yield f"Nobody states {' and '.join(unstated)}: see that they fit."
+        yield f"Not published: {' and '.join(unstated)}; check that they fit."
     elif not derived_fit(lens, sensor)["mount_fits"]:
         yield f"{lens.name} has mount {lens.mount}; cameras with {sensor.name} are sold for {sensor.mounts}."
     elif lens.mount == "C" and "C" not in [mount.strip() for mount in sensor.mounts.split(",")]:
@@ -134,9 +134,9 @@ def notes_on_fit(lens: LensPart, sensor: SensorPart) -> Iterator[str]:
     if lens.projection != "rectilinear":
         return
     if lens.distortion_percent is None:
-        yield f"Nobody states the distortion of {lens.name}; images are simulated without any."
+        yield f"Not published: the distortion of {lens.name}; images are simulated without it."
     else:
         yield (
-            f"{lens.name} distorts by {lens.distortion_percent:g} %; images are simulated without, unless "
+            f"{lens.name} distorts by {lens.distortion_percent:g} %; images are simulated without it, unless "
             f"the recipe has an effect of lens distortion."
         )

@@ -96,9 +96,9 @@ def refuse_beside_product(variables: ReadOutVariables, *others: str) -> None:
 def notes_on_product(camera: ProductPart) -> Iterator[str]:
     """Notes on the stated and the unstated figures of a product."""
     if camera.f_number is None:
-        yield f"Nobody states the f-number of {camera.name}: images are simulated at that of the scenario."
+        yield f"Not published: the f-number of {camera.name}; images are simulated at that of the scenario."
     else:
         yield f"Images of {camera.name} are simulated at f/{camera.f_number:g}, as its maker states."
-    figures = {"price": camera.prices, "mass_g": camera.mass_g, "power_w": camera.power_w}
+    figures = {"price": camera.prices, "mass": camera.mass_g, "power": camera.power_w}
     if unknown := [name for name, value in figures.items() if not value]:
-        yield f"Not stated of {camera.name}: {', '.join(unknown)}."
+        yield f"Not published: {', '.join(unknown)} of {camera.name}."

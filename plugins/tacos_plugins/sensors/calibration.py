@@ -15,8 +15,8 @@ Variance = Annotated[float, Field(ge=0)]
 class Calibration(Settings):
     """Affine noise of one camera at one setting: ``variance = photon_dn * signal + thermal_dn2``."""
 
-    title: str = setting(help="What was measured, in one line.", min_length=1)
-    source: str = setting(help="Who measured it, and what else the numbers rest on.", min_length=1)
+    title: str = setting(help="The measured camera, in one line.", min_length=1)
+    source: str = setting(help="Source of the measurement, with its assumptions.", min_length=1)
     sensor: str = setting(help="The image sensor.")
     pixel_um: float = setting(help="Pitch of its photosites.", unit="um", gt=0)
     exposure_ms: float = setting(help="Exposure time.", unit="ms", gt=0)

@@ -24,9 +24,9 @@ def blocks(study: StudyData) -> Iterator[Block]:
     if drawn:
         yield in_both_widths(
             partial(trade_offs, drawn, points, study.designed.camera if study.designed else None),
-            "Cameras of which none is better in one aim without being worse in another. Filled dots were "
-            "scored again on scenes, hollow ones are told by the model; bars are 95 % intervals. Orange is "
-            "the designed camera, where it is one of them. Arrows say which way is better.",
+            "Cameras that no other beats in all aims. Filled: rendered on fresh scenes. Hollow: predicted by "
+            "the surrogate. Bars: 95 % intervals. Orange: the designed camera, if it is on the front. "
+            "Arrows point to better values.",
         )
     shown_first = sorted(points, key=lambda point: -point.fitness)
     yield Table(

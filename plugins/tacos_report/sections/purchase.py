@@ -22,7 +22,7 @@ def blocks(study: StudyData) -> Iterator[Block]:
         return
     if better := _better_product(study):
         yield Paragraph(
-            f"The {better}, which the test found better. What was found, should it not be to be had:"
+            f"The {better}, which was better in the test. If it is not available, the designed camera:"
         )
     tables = [_part_table(variable, part) for variable, part in parts.items()]
     if "focal_length_mm" in designed.camera and "lens" not in parts:
@@ -59,7 +59,7 @@ def _better_product(study: StudyData) -> str | None:
 def _part_table(variable: str, part: Mapping[str, Any]) -> Table:
     rows = list(_properties(part))
     if unknown := [words(str(name)).lower() for name, value in part.items() if value is None]:
-        rows.append(("Nobody states", f"{', '.join(unknown)}: ask the maker where it matters"))
+        rows.append(("Not published", ", ".join(unknown)))
     return Table((words(variable), _title(part)), tuple(rows))
 
 
@@ -95,12 +95,12 @@ def _lens_wanted(camera: CameraResult, study: StudyData) -> Iterator[tuple[str, 
 
 def _fit(camera: CameraResult) -> tuple[tuple[str, str], ...]:
     margin_mm = camera.derived.get("image_circle_margin_mm")
-    circle = "not known: nobody states the image circle"
+    circle = "unknown: the image circle is not published"
     if margin_mm is not None:
         covers = "covers the sensor" if margin_mm >= 0 else "leaves the corners of the sensor dark"
         circle = f"{covers}: {quantity(abs(margin_mm), 'mm', 2)} {'to spare' if margin_mm >= 0 else 'short'}"
     fits = camera.derived.get("mount_fits")
-    mount = "not known: a mount is not stated" if fits is None else "fits" if fits else "does not fit"
+    mount = "unknown: a mount is not published" if fits is None else "fits" if fits else "does not fit"
     return ("Image circle of the lens", circle), ("Mount of the lens", mount)
 
 

@@ -26,11 +26,10 @@ def blocks(study: StudyData) -> Iterator[Block]:
         designed = [part.part for part in ranked if study.has_parts_of_design(part)]
         yield in_both_widths(
             partial(parts_ranked, ranked, carried, designed),
-            "Each part with the optics that suit it best. A filled dot was simulated; a large one again, on "
-            "further scenes. A hollow dot was not: it is predicted from the parts that were. Bars are 95 % "
-            "credible intervals; the grey band is that of the first part. Orange marks the part of the "
-            "designed camera, which was chosen on scenes and not by this list; a coloured diamond is the "
-            "part of a product off the shelf.",
+            "Each part with its best optics. Filled: rendered; large: again on fresh scenes. Hollow: "
+            "predicted by the surrogate, never rendered. Bars: 95 % credible intervals; grey band: that of "
+            "the first part. Orange: the part of the designed camera, chosen on scenes and not by this "
+            "list. Coloured diamond: the part of a product.",
         )
         heads = ("", "Part", "Its best optics", "Fitness (95 %)", *_heads(study), "Known from")
         rows = tuple(_row(place, part, study, carried) for place, part in enumerate(ranked, start=1))

@@ -237,7 +237,7 @@ def _optics(config: RecordedScene.Config, width: int, height: int) -> tuple[Lens
         raise UserError(
             Fault(
                 config.recording,
-                f"nobody says how wide its camera sees: there is no {CALIBRATION} and no hfov_deg",
+                f"the field of view of its camera is unknown: there is no {CALIBRATION} and no hfov_deg",
                 "one of the two",
                 "State hfov_deg as its data sheet does, or calibrate it.",
             )

@@ -105,7 +105,7 @@ def test_dark_frames_without_noise_may_be_alike(tmp_path):
 @pytest.mark.parametrize(
     ("frames", "message"),
     [
-        (np.full((2, HEIGHT, WIDTH), 77, np.uint8), "a constant image tells nothing"),
+        (np.full((2, HEIGHT, WIDTH), 77, np.uint8), "a constant image has no information"),
         (np.where(noisy(100) > 95, 255, noisy(100)).astype(np.uint8), "nearly all pixels are saturated"),
         (np.where(noisy(100) > 104, 20, 0).astype(np.uint8), "nearly all pixels are 0"),
         (noisy(frames=1), "a single frame has no real-against-real noise floor"),

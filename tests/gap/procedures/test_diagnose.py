@@ -154,7 +154,7 @@ def test_task_scores_of_the_patched_simulation_are_nearer_to_the_real_ones(
     inliers = data["task"]["features.inliers"]
     assert set(inliers) == {"real", "sim_before", "sim_after", "ci", "captures"}
     assert abs(inliers["sim_after"] - inliers["real"]) < abs(inliers["sim_before"] - inliers["real"])
-    assert "What it does to tasks" in report
+    assert "Consequences for tasks" in report
     assert "Contrast of detail over spatial frequency" in report
 
 
@@ -173,7 +173,7 @@ def test_no_gap_is_said_and_nothing_patched(plugins: Plugins, tmp_path: Path) ->
     assert data["verdict"] == "no_gap"
     assert headline(report).startswith("No gap")
     assert yaml.safe_load((tmp_path / "out" / "patched.yaml").read_text("utf-8")) == []
-    assert "What causes it" not in report
+    assert "<h2>Causes" not in report
 
 
 def test_darks_alone_make_a_report(plugins: Plugins, tmp_path: Path) -> None:

@@ -60,7 +60,7 @@ def test_what_is_gone_never_falls() -> None:
         "a + b",
         "a + b + c",
         "comparing with rivals",
-        "how far the gap shrinks",
+        "closure of the gap",
     ):
         later = done_after(share, text)
         assert share <= later < 1

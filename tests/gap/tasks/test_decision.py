@@ -94,7 +94,7 @@ def test_the_choice_changes_only_where_the_scenes_tell() -> None:
     assert "b beats a by 0.995" in clear[1]
     unclear = said(before, in_simulation("a", a=[1.0, 1.4, 0.6, 1.0], b=[1.5, 0.7, 1.1, 0.9]))
     assert unclear[0] == "undecided"
-    assert "do not tell" in unclear[1]
+    assert "do not decide" in unclear[1]
     same = said(before, in_simulation("a", a=[3.0, 3.1, 2.9, 3.0], b=[1.0, 1.1, 0.9, 1.02]))
     assert same[0] == "stays"
     assert "The camera to take stays: a;" in same[1]

@@ -97,7 +97,7 @@ def test_noise_of_the_source_is_not_added_twice(
 
 
 def test_a_folder_of_whose_camera_nobody_knows_the_view_says_what_to_state(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="nobody says how wide its camera sees"):
+    with pytest.raises(UserError, match="the field of view of its camera is unknown"):
         recorded(tmp_path, hfov_deg=None)
 
 

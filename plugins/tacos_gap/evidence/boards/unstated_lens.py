@@ -42,15 +42,14 @@ def with_lens_of_boards(captures: Sequence[RealCapture]) -> tuple[tuple[RealCapt
     pixel_um = captures[0].geometry.pixel_um
     if found is None or _focal_spread(boards, found, free) > SURE:
         assumed_mm = captures[0].geometry.focal_length_px * pixel_um * 1e-3
-        reason = "no board tells it" if found is None else "the boards do not settle it, tilt them more"
+        reason = "no board shows it" if found is None else "the boards do not settle it, tilt them more"
         return captures, [
-            f"focal_length_mm is nobody's claim and {reason}: {assumed_mm:g} mm is assumed. "
-            f"Nothing is said about it."
+            f"focal_length_mm is not stated and {reason}: {assumed_mm:g} mm is assumed, and it is no cause."
         ]
     told = f"{found.focal_px * pixel_um * 1e-3:.3g} mm ({found.focal_px:.4g} px)"
     said = (
-        f"focal_length_mm is nobody's claim: the boards tell {told}, and it stays free with every "
-        f"explanation. Nothing is said about it as a cause."
+        f"focal_length_mm is not stated: the boards give {told}. It stays free with every explanation, "
+        f"and is no cause."
     )
     return tuple(replace(c, geometry=_with_lens(c.geometry, found)) for c in captures), [said]
 

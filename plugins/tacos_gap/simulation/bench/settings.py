@@ -34,7 +34,7 @@ class BenchCapture(Settings):
 
     id: str = setting(help="Its name; those of a series have the level or time appended.", min_length=1)
     kind: Kind = setting(help="What kind of capture it is.")
-    scene: Use | None = setting(None, help="What is in front of the camera; nothing for kind dark.")
+    scene: Use | None = setting(None, help="Target in front of the camera; none for kind dark.")
     exposure_ms: Positive | tuple[Positive, ...] = setting(
         10.0,
         help="Exposure time; several make a series under the same light.",
@@ -98,8 +98,8 @@ class BenchSettings(Settings):
     sensor: Use = setting(help="The sensor model.")
     f_number: float = setting(2.8, help="Focal length over aperture.", gt=0, also=ALSO_CALLED["f_number"])
     gain_db: float = setting(0.0, help="Gain.", unit="dB", also=ALSO_CALLED["gain_db"])
-    effects: tuple[Use, ...] = setting((), help="What is real and the simulator does not know.")
-    captures: tuple[BenchCapture, ...] = setting(help="What is photographed.", min_length=1)
+    effects: tuple[Use, ...] = setting((), help="Effects of the real camera that the simulator lacks.")
+    captures: tuple[BenchCapture, ...] = setting(help="The targets.", min_length=1)
 
     @model_validator(mode="after")
     def _unique(self) -> BenchSettings:

@@ -57,7 +57,7 @@ def sentence(before: RankedCameras, after: RankedCameras, found: Choice, confide
         text = f"The ranking of the cameras changes, from {', '.join(first)} to {', '.join(second)}."
     compared = found.decided_by
     if compared is None or compared.interval is None:
-        few = f"{after.episodes} scenes are too few to tell whether that is chance: raise test.most_episodes"
+        few = f"{after.episodes} scenes are too few to exclude chance: raise test.most_episodes"
         return f"{text} {few}." if len(first) > 1 else text
     low, high = -compared.interval[1], -compared.interval[0]
     sure = f"{confidence:.0%} interval {low:+.3g} to {high:+.3g}, {compared.episodes} unseen scenes"
@@ -76,6 +76,6 @@ def sentence(before: RankedCameras, after: RankedCameras, found: Choice, confide
             return f"{text} The camera to take stays: {found.before}; {rest}."
         case _:
             return (
-                f"{text} Whether another camera than {found.before} should be taken, these scenes do not "
-                f"tell ({sure}): set test.most_episodes higher."
+                f"{text} These scenes do not decide if another camera should replace {found.before} "
+                f"({sure}): set test.most_episodes higher."
             )

@@ -227,7 +227,7 @@ def effects_page(components: Iterable[Component]) -> str:
     effects = [component for component in components if component.kind == "effect"]
     ordered = sorted(effects, key=lambda effect: formation_order(effect.load()))
     lines = [
-        "| effect | stage | side of the noise | off at | what it is |",
+        "| effect | stage | side of the noise | off at | meaning |",
         "| --- | --- | --- | --- | --- |",
     ]
     for effect in ordered:

@@ -64,7 +64,7 @@ class FasterRcnn:
         )
         weights: str = setting(
             "none",
-            help="What it starts with: none, a file, shipped weights by name, or coco (torchvision's own).",
+            help="Initial weights: none, a file, shipped weights by name, or coco (torchvision's own).",
             is_path=True,
         )
         classes: tuple[str, ...] = setting(

@@ -51,7 +51,7 @@ class PsmnetDepth:
         right: str | None = setting(None, help="Name of the right camera; by default the second.")
         weights: str = setting(
             "none",
-            help="What it starts with: none, a file (published checkpoints too), or shipped weights by name.",
+            help="Initial weights: none, a file (published checkpoints too), or shipped weights by name.",
             is_path=True,
         )
         max_disparity: int = setting(
