@@ -76,7 +76,7 @@ def page(folder: Path) -> Page:
         "Lens DSL219",
         "Image circle of the lens covers the sensor: 0.4 mm to spare",
         "Mount of the lens does not fit",
-        "price: ask the maker where it matters",
+        "Not published price",
         "Before you order Not published: the distortion of DSL219.",
         "P(better than FLIR Flea3)",
         "LINE4K megapixels is 31.2",

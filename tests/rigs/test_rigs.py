@@ -233,7 +233,7 @@ def test_what_a_buyer_should_know_of_a_lens():
     builder, variables = with_lens({**FLEA3, "mounts": "CS"}, distortion_percent=-3.0)
     assert list(builder.notes(variables)) == [
         "L needs a ring of 5 mm on a CS camera.",
-        "L distorts by -3 %; images are simulated without, unless the recipe has an effect of lens "
+        "L distorts by -3 %; images are simulated without it, unless the recipe has an effect of lens "
         "distortion.",
     ]
     builder, unknown = with_lens(f_number_min=None, image_circle_mm=None, mount=None)

@@ -52,7 +52,7 @@ def test_full_scores_are_named_with_what_to_change():
     assert said.startswith("These scores do not separate the cameras of the test: seen.ratio (at 1, 0 % of")
     assert "Choose scenes, light or motion" in said
     assert full_scores({"pose.rotation": spreads["pose.rotation"]}) is None
-    assert full_scores({"seen.ratio": spreads["seen.ratio"]}).startswith("No score of the fitness tells")
+    assert full_scores({"seen.ratio": spreads["seen.ratio"]}).startswith("No score of the fitness separates")
 
 
 def test_scenes_in_which_a_score_has_no_meaning_do_not_count():

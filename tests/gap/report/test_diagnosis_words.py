@@ -97,7 +97,7 @@ def test_the_headline_says_the_verdict(diagnosis: Diagnosis, said: str) -> None:
 def test_the_lead_gives_the_figures() -> None:
     lead = words.lead(found("explained", cause("vignetting"), gap_after=1.1), captures=1)
     assert lead.startswith("One capture differs from its simulation by 14.2 times the noise floor")
-    assert "With what is added below, 1.1 are left (90 % interval 0.9 to 1.3)" in lead
+    assert "With the causes below, 1.1 are left (90 % interval 0.9 to 1.3)" in lead
 
 
 def test_limits_name_what_looks_alike_what_is_unknown_and_what_is_too_small() -> None:
