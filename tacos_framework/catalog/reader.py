@@ -222,13 +222,6 @@ def _cell(
     return CatalogCell(entry.value, where, source, grade=grade)
 
 
-def _other_separator(heading: Sequence[str]) -> str:
-    """Advice for tables with the separators of spreadsheets of other countries; empty for other tables."""
-    if len(heading) == 1 and any(mark in heading[0] for mark in ";\t"):
-        return "Save it with commas between columns, and points in decimal numbers."
-    return ""
-
-
 def _from_csv(path: Path) -> Catalog:
     """A table whose first line names the columns: ``name``, and names that end in their unit."""
     lines = read_csv(path)
@@ -236,7 +229,7 @@ def _from_csv(path: Path) -> Catalog:
     if "name" not in heading:
         what = f"the first line names no column 'name', but {', '.join(heading) or 'nothing'}"
         expected = "name, then columns that end in their unit, as in pixel_um"
-        raise UserError(Fault(f"{path}:1", what, expected, _other_separator(heading)))
+        raise UserError(Fault(f"{path}:1", what, expected))
     faults = [
         Fault(f"{path}:1", f"column {name!r} stands here more than once", remedy="Remove one.")
         for name in sorted({name for name in heading if heading.count(name) > 1})

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from io import StringIO
 from pathlib import Path
 from typing import Any
 
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.files.regular import read_bytes
+
+_DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?")
 
 
 def read_text(
@@ -70,14 +73,23 @@ def read_csv(
 ) -> list[tuple[int, list[str]]]:
     """The lines of a table with their numbers, cells without the blanks around them.
 
+    Columns are parted by commas, or, where the first line has none, by semicolons (then numbers may have
+    decimal commas) or tabs: spreadsheets of many countries write these.
+
     Raises `UserError` when it cannot be read or is no table.
     """
-    table = csv.reader(
-        StringIO(read_text(path, where=where, within=within), newline=""), strict=True, skipinitialspace=True
-    )
+    text = read_text(path, where=where, within=within)
+    head = text.lstrip().partition("\n")[0]
+    mark = "," if "," in head else next((mark for mark in ";\t" if mark in head), ",")
+    table = csv.reader(StringIO(text, newline=""), delimiter=mark, strict=True, skipinitialspace=mark != "\t")
     try:
-        return [(table.line_num, [cell.strip() for cell in line]) for line in table]
+        return [(table.line_num, [_cell(cell, mark) for cell in line]) for line in table]
     except csv.Error as error:
         name = str(path) if where is None else where
         what = f"this is no table of comma-separated values: {error}"
         raise UserError(Fault(f"{name}:{table.line_num}", what)) from error
+
+
+def _cell(cell: str, mark: str) -> str:
+    cell = cell.strip()
+    return cell.replace(",", ".") if mark == ";" and _DECIMAL_COMMA.fullmatch(cell) else cell

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,7 +10,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from tacos_framework import Fault, UserError, read_yaml
-from tacos_framework.files import read_text
+from tacos_framework.files import read_csv
 from tacos_worlds.kit.class_names import CLASS_NAMES
 from tacos_worlds.kit.models.model import Surface
 
@@ -59,27 +58,19 @@ def read_table(file: Path) -> tuple[list[Rule], list[Fault]]:
     if file.suffix.lower() != ".csv":
         return _from_yaml(file)
     try:
-        return _from_csv(file, read_text(file).removeprefix("\ufeff"))
+        lines = read_csv(file)
     except UserError as error:
         return [], list(error.faults)
-
-
-def _from_csv(file: Path, text: str) -> tuple[list[Rule], list[Fault]]:
-    rows = csv.DictReader(text.splitlines(), strict=True)
+    heading = [cell.lower() for cell in lines[0][1]] if lines else []
+    if missing := [name for name in ("pattern", "class") if name not in heading]:
+        return [], [Fault(f"{file}:1", f"has no column {', '.join(missing)}", "the columns pattern, class")]
     rules, faults = [], []
-    try:
-        columns = rows.fieldnames or []
-        if missing := [name for name in ("pattern", "class") if name not in columns]:
-            return [], [
-                Fault(f"{file}:1", f"has no column {', '.join(missing)}", "the columns pattern, class")
-            ]
-        for row in rows:
-            if row["pattern"] and row["class"]:
-                rules.append(Rule(row["pattern"].strip(), row["class"].strip()))
-            else:
-                faults.append(Fault(f"{file}:{rows.line_num}", "lacks a pattern or a class"))
-    except csv.Error as error:
-        faults.append(Fault(f"{file}:{rows.line_num}", f"is not CSV: {error}"))
+    for number, line in lines[1:]:
+        row = dict(zip(heading, line, strict=False))
+        if row.get("pattern") and row.get("class"):
+            rules.append(Rule(row["pattern"], row["class"]))
+        elif any(line):
+            faults.append(Fault(f"{file}:{number}", "lacks a pattern or a class"))
     return rules, faults
 
 

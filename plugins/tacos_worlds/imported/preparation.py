@@ -164,7 +164,13 @@ def _recorded(config: ImportedSettings, read: Read) -> tuple[Trajectory | None, 
         return (
             None,
             [],
-            [Fault(config.path, f"cannot be used: {error}", "poses as TUM, EuRoC or KITTI write them")],
+            [
+                Fault(
+                    config.path,
+                    f"cannot be used: {error}",
+                    "poses as TUM, EuRoC, KITTI, COLMAP or NeRF write them",
+                )
+            ],
         )
 
 

@@ -13,6 +13,8 @@ from tacos_worlds.imported.formats.poses import AGENT_FROM_OPTICAL, doubt_of_tim
 from tacos_worlds.imported.tour import stepped_on
 from tacos_worlds.imported.walkable_place import Place
 
+_LEAST_UPRIGHT = 0.5
+"""The vertical part of an agent's upward axis: less is tilted by over 60 degrees [1]."""
 _DEEPEST_M = 4.0
 """An eye is no higher above what the agent steps on [m]."""
 
@@ -33,11 +35,16 @@ def read_recorded(
     poses[:, :3, :3] = rotation @ (own @ AGENT_FROM_OPTICAL[:3, :3].T if of_camera else own)
     poses[:, :3, 3] = found.poses[:, :3, 3] @ turn.T - origin_m
     doubts = []
-    if found.unit != {"tum": "s", "euroc": "ns", "kitti": "s"}[found.form]:
+    if found.unit != ("ns" if found.form == "euroc" else "s"):
         layout = {"tum": "TUM", "euroc": "EuRoC"}[found.form]
         doubts.append(f"{file.name}: stamps are read as {found.unit}, in the layout of {layout}")
     if doubt := doubt_of_time(replace(found, poses=poses)):
         doubts.append(f"{file.name}: {doubt}")
+    if np.median(poses[:, 2, 2]) < _LEAST_UPRIGHT:
+        doubts.append(
+            f"{file.name}: the camera lies on its side or looks straight up or down on most of the way: "
+            "check path_axes, path_of, and whether quaternions begin or end with w"
+        )
     return Trajectory(found.time_s, poses), doubts
 
 

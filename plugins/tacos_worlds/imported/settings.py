@@ -64,8 +64,8 @@ class ImportedSettings(CarriedSettings):
     )
     path: str = setting(
         "",
-        help="Recorded poses in the world of the file: TUM, EuRoC or KITTI; else ways are found on the "
-        "floor.",
+        help="Recorded poses in the world of the file: TUM, EuRoC, KITTI, COLMAP, NeRF, or a table with "
+        "names; else ways are found on the floor.",
         is_path=True,
     )
     path_of: Literal["camera", "agent"] = setting(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from tacos_worlds.imported.formats.file_bytes import Unreadable
 from tacos_worlds.imported.formats.poses import doubt_of_time, read_poses, stamp_unit
 from tacos_worlds.imported.place import geometry
 from tacos_worlds.imported.reader import read_world
+from tacos_worlds.imported.recorded import read_recorded
 from tacos_worlds.imported.tour import draw_tour
 from tacos_worlds.kit.models.patch import sound
 
@@ -172,3 +174,66 @@ def test_a_line_of_names_gives_the_order_of_rotations(
 def test_a_path_longer_than_a_day_is_refused_before_memory_is_taken(tmp_path: Path) -> None:
     with pytest.raises(Unreadable, match="give stamps in seconds"):
         read_poses(write_poses(tmp_path / "long.txt", ["0", "100", "200", "2e9"]))
+
+
+@pytest.mark.parametrize("form", ["ros", "nerf", "colmap", "matrices", "stamped matrices"])
+def test_one_path_in_the_forms_of_other_programs_is_one_path(form: str, tmp_path: Path) -> None:
+    rng = np.random.default_rng(3)
+    turns, places = Rotation.random(5, rng=rng), rng.normal(size=(5, 3))
+    matrices = np.tile(np.eye(4), (5, 1, 1))
+    matrices[:, :3, :3], matrices[:, :3, 3] = turns.as_matrix(), places
+    if form == "ros":
+        position, rotation = ("field.pose.position.", "field.pose.orientation.")
+        lines = ["%time,field.header.seq,field.header.stamp,field.header.frame_id,"]
+        lines[0] += ",".join([position + axis for axis in "xyz"] + [rotation + axis for axis in "xyzw"])
+        for i, (p, q) in enumerate(zip(places, turns.as_quat(), strict=True)):
+            stamp = 1_700_000_000_000_000_000 + i * 100_000_000
+            lines.append(",".join(map(str, [stamp + 7, i, stamp, "base link", *p, *q])))
+        text = "\n".join(lines)
+    elif form == "nerf":
+        frames = [{"transform_matrix": (each @ np.diag([1, -1, -1, 1])).tolist()} for each in matrices]
+        text = json.dumps({"camera_angle_x": 0.7, "frames": frames})
+    elif form == "colmap":
+        lines = ["# Image list with two lines of data per image:"]
+        for i, (turn, place) in enumerate(zip(turns, places, strict=True)):
+            x, y, z, w = turn.inv().as_quat()
+            at = -turn.inv().apply(place)
+            pose = f"{i} {w} {x} {y} {z} {at[0]} {at[1]} {at[2]} 1 frame_{i}.jpg"
+            lines[1:1] = [pose, "1.0 2.0 -1" * (i % 2)]
+        text = "\n".join(lines)
+    else:
+        stamps = [[0.1 * i] if form == "stamped matrices" else [] for i in range(5)]
+        rows = [[*s, *each.ravel()] for s, each in zip(stamps, matrices, strict=True)]
+        text = "\n".join(" ".join(map(str, row)) for row in rows)
+    file = tmp_path / "poses.txt"
+    file.write_text(text)
+    found = read_poses(file)
+    np.testing.assert_allclose(found.poses, matrices, atol=1e-6)
+    np.testing.assert_allclose(found.time_s, 0.1 * np.arange(5), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("t,x,y,z,roll,pitch,yaw\n0,0,0,0,0,0,90\n", "give qx, qy, qz, qw"),
+        ("0 1 2 3 0 0 90 0\n", "pose 1 .*no unit quaternion"),
+        ("0 1 2 3 nan 0 0 1\n", "not finite"),
+        ("0 1 2 3 0 0 0 1\n0 1 2 3 0 0 0 1\n", "do not rise"),
+        ("0 1 2 3\n", "a line of names such as"),
+        ('{"frames": [{"file_path": "a"}]}', "no transforms.json"),
+    ],
+)
+def test_poses_that_could_be_taken_for_others_are_refused(text: str, said: str, tmp_path: Path) -> None:
+    (tmp_path / "poses.csv").write_text(text)
+    with pytest.raises(Unreadable, match=said):
+        read_poses(tmp_path / "poses.csv")
+
+
+def test_cameras_that_lie_on_their_side_are_doubted(tmp_path: Path) -> None:
+    """As they do where w of a quaternion is taken for x, or axes for those of the other kind."""
+    for order, doubted in (("xyzw", False), ("wxyz", True)):
+        level = dict(zip("xyzw", Rotation.from_euler("xz", [-90, 30], degrees=True).as_quat(), strict=True))
+        rows = [" ".join(map(str, [0.1 * i, i, 0, 1.6, *(level[part] for part in order)])) for i in range(9)]
+        (tmp_path / "path.txt").write_text("\n".join(rows))
+        _, doubts = read_recorded(tmp_path / "path.txt", np.eye(3), np.zeros(3), of_camera=True)
+        assert any("on its side" in doubt for doubt in doubts) == doubted

@@ -1,4 +1,4 @@
-"""Recorded trajectories: TUM, EuRoC and KITTI.
+"""Recorded trajectories: TUM, EuRoC, KITTI, tables with a line of names, COLMAP and NeRF.
 
 Source: Sturm et al. (2012), TUM RGB-D benchmark: ``time tx ty tz qx qy qz qw``. Burri et al. (2016), EuRoC
 MAV: ``time_ns, px, py, pz, qw, qx, qy, qz, ...``. Geiger et al. (2012), KITTI odometry: twelve numbers a
@@ -8,6 +8,7 @@ line, the rows of [R | t].
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -16,7 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from tacos_worlds.imported.formats.camera_poses import colmap_poses, nerf_poses
 from tacos_worlds.imported.formats.file_bytes import Unreadable, file_bytes
+from tacos_worlds.imported.formats.pose_columns import Columns, has_angles, named_columns
 
 KITTI_RATE_HZ = 10.0
 """KITTI's files hold no times; its cameras took 10 frames a second [Hz]."""
@@ -24,6 +27,7 @@ KITTI_RATE_HZ = 10.0
 AGENT_FROM_OPTICAL = np.array([[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 """Axes of an optical frame (x right, y down, z ahead) in those of an agent (x ahead, y left, z up)."""
 
+Form = Literal["tum", "euroc", "kitti", "colmap", "nerf"]
 StampUnit = Literal["s", "ns", "us", "ms"]
 """Of time stamps; ORB-SLAM3 and others write nanoseconds in TUM's layout."""
 _SECONDS: dict[StampUnit, float] = {"s": 1.0, "ns": 1e-9, "us": 1e-6, "ms": 1e-3}
@@ -34,6 +38,11 @@ _SHORTEST_STEP_S, _LONG_STEP_S, _ABSURD_STEP_S = 1e-3, 5.0, 1000.0
 _LONGEST_S = 86_400.0
 _SLOW_M_S, _FAST_M_S = 0.05, 60.0
 
+_MATRICES = (12, 13, 16, 17)
+"""Numbers of a line that holds the rows of [R | t], as KITTI has them, or of 4 x 4; after a stamp or not."""
+_UNTIMED = {"kitti": "KITTI's layout", "colmap": "images.txt of COLMAP", "nerf": "transforms.json"}
+_UNIT_TOLERANCE = 0.2
+"""Of the length of a quaternion: some write two decimals [1]."""
 _ROTATION_TOLERANCE = 0.01
 """Files have six digits or more; what is further from a rotation than this is damaged, or mirrored [1]."""
 
@@ -44,50 +53,90 @@ class RecordedPath:
 
     time_s: NDArray[np.float64]  # (K,) rising, from 0 [s]
     poses: NDArray[np.float64]  # (K, 4, 4) of a body in the world of the recording [m]
-    form: Literal["tum", "euroc", "kitti"]
+    form: Form
     """With unit: the layout of the file, and the unit its stamps were taken to have."""
     unit: StampUnit = "s"
 
 
 def read_poses(file: Path) -> RecordedPath:
-    """Read a file of poses; the format is told by its numbers.
+    """Read a file of poses; the format is told by its names or its numbers.
 
     Raises Unreadable where no line, or some line, is what one of the formats has.
     """
+    text = _text(file_bytes(file))
+    if text.lstrip().startswith("{"):
+        return _untimed(nerf_poses(text), "nerf")
+    lines = text.splitlines()
+    if (found := colmap_poses(lines)) is not None:
+        return _untimed(found, "colmap")
+    table, columns, commas = _table(lines)
+    wide = table.shape[1]
+    if columns is None and wide in _MATRICES and not commas:
+        matrices = np.tile(np.eye(4), (len(table), 1, 1))
+        matrices[:, :3] = table[:, wide % 4 :][:, :12].reshape(-1, 3, 4)
+        if wide % 4:
+            return _timed(table[:, 0], matrices, "tum")
+        return _untimed(matrices, "kitti")
+    if columns is None and (wide == 8 or (wide > 8 and commas)):
+        columns = Columns(0, (1, 2, 3), (5, 6, 7, 4) if commas else (4, 5, 6, 7))
+    if columns is None:
+        raise Unreadable(
+            f"its lines have {wide} numbers: TUM has 8, EuRoC 8 or more with commas, KITTI 12; "
+            "others need a line of names such as time, x, y, z, qx, qy, qz, qw"
+        )
+    quaternion = table[:, columns.rotation]
+    off = np.abs(np.linalg.norm(quaternion, axis=1) - 1) > _UNIT_TOLERANCE
+    if off.any():
+        raise Unreadable(f"pose {np.argmax(off) + 1} has a rotation that is no unit quaternion")
+    poses = np.tile(np.eye(4), (len(table), 1, 1))
+    poses[:, :3, :3] = Rotation.from_quat(quaternion).as_matrix()
+    poses[:, :3, 3] = table[:, columns.position]
+    stated = next((unit for unit in _SECONDS if unit == columns.unit), None)
+    return _timed(table[:, columns.time], poses, "euroc" if commas else "tum", stated)
+
+
+def _table(lines: Sequence[str]) -> tuple[NDArray[np.float64], Columns | None, bool]:
+    """The numbers of all lines, the columns that a line of names tells, and whether commas part them.
+
+    Cells that hold no numbers, such as names of frames, are 0 where names tell which columns are needed.
+    """
     rows: list[list[float]] = []
-    commas, names = False, list[str]()
-    for number, line in enumerate(_text(file_bytes(file)).splitlines(), start=1):
-        if not rows and (found := _quaternion_columns(line)):
-            names = found
+    commas, columns = False, None
+    for number, line in enumerate(lines, start=1):
+        if not rows and (found := named_columns(line)):
+            columns = found
             continue
+        if not rows and has_angles(line):
+            raise Unreadable("it has roll, pitch and yaw, whose order no name tells: give qx, qy, qz, qw")
         text = line.split("#", 1)[0].strip()
         if not text:
             continue
         commas = commas or "," in text or ";" in text
+        words = re.split(r"\s*[,;]\s*" if columns and commas else r"[\s,;]+", text.strip(",;"))
         try:
-            rows.append([float(word) for word in re.split(r"[\s,;]+", text.strip(",;"))])
+            rows.append(
+                [_number(word, columns is None or k in columns.needed()) for k, word in enumerate(words)]
+            )
         except ValueError as error:
             raise Unreadable(f"line {number} is not a line of numbers: {text[:60]!r}") from error
-        if len(rows[-1]) != len(rows[0]):
+        if len(rows[-1]) != len(rows[0]) or (columns and len(words) <= max(columns.needed())):
             raise Unreadable(f"line {number} has {len(rows[-1])} numbers, the first one {len(rows[0])}")
     if not rows:
         raise Unreadable("it holds no poses")
     table = np.array(rows)
-    if not np.isfinite(table).all():
+    used = table if columns is None else table[:, columns.needed()]
+    if not np.isfinite(used).all():
         raise Unreadable("it holds numbers that are not finite")
-    if table.shape[1] == 12 and not commas:
-        poses = np.tile(np.eye(4), (len(table), 1, 1))
-        poses[:, :3] = table.reshape(-1, 3, 4)
-        _check_rotations(poses[:, :3, :3])
-        return RecordedPath(np.arange(len(table)) / KITTI_RATE_HZ, poses, "kitti")
-    form: Literal["tum", "euroc"] = "euroc" if commas else "tum"
-    if table.shape[1] == 8 or (table.shape[1] > 8 and commas):
-        order = names or list("wxyz" if commas else "xyzw")
-        quaternion = table[:, [4 + order.index(part) for part in "xyzw"]]
-        return _timed(table[:, 0], table[:, 1:4], quaternion, form)
-    raise Unreadable(
-        f"its lines have {table.shape[1]} numbers: TUM has 8, EuRoC 8 or more with commas, KITTI 12"
-    )
+    return table, columns, commas
+
+
+def _number(word: str, needed: bool) -> float:
+    try:
+        return float(word)
+    except ValueError:
+        if needed:
+            raise
+        return 0.0
 
 
 def _text(content: bytes) -> str:
@@ -95,18 +144,11 @@ def _text(content: bytes) -> str:
     return content.decode("utf-16" if utf_16 else "utf-8-sig", "replace")
 
 
-def _quaternion_columns(line: str) -> list[str]:
-    """The order of a quaternion after the stamp and the position, where a line of names tells it.
-
-    >>> _quaternion_columns("#timestamp [ns], p_RS_R_x [m], p_y [m], p_z [m], q_RS_w [], q_RS_x [], q_y, q_z")
-    ['w', 'x', 'y', 'z']
-    >>> _quaternion_columns("# timestamp tx ty tz qx qy qz qw"), _quaternion_columns("# by ORB")
-    (['x', 'y', 'z', 'w'], [])
-    """
-    plain = re.sub(r"\[[^\]]*\]|#", " ", line.lower())
-    names = re.split(r"[\s,;]+", plain.strip(" \t,;\r\n"))
-    order = [name[-1] for name in names[4:8] if re.fullmatch(r"q.*[xyzw]", name)]
-    return order if sorted(order) == list("wxyz") else []
+def _untimed(poses: NDArray[np.float64], form: Form) -> RecordedPath:
+    if not len(poses):
+        raise Unreadable("it holds no poses")
+    _check_rotations(poses[:, :3, :3])
+    return RecordedPath(np.arange(len(poses)) / KITTI_RATE_HZ, poses, form)
 
 
 def _check_rotations(matrices: NDArray[np.float64]) -> None:
@@ -117,20 +159,14 @@ def _check_rotations(matrices: NDArray[np.float64]) -> None:
 
 
 def _timed(
-    stamp: NDArray[np.float64],
-    position_m: NDArray[np.float64],
-    quaternion: NDArray[np.float64],
-    form: Literal["tum", "euroc"],
+    stamp: NDArray[np.float64], poses: NDArray[np.float64], form: Form, stated: StampUnit | None = None
 ) -> RecordedPath:
-    unit = stamp_unit(stamp, form)
+    unit = stated or stamp_unit(stamp, form)
     time_s = (stamp - stamp[0]) * _SECONDS[unit]
     if len(falls := np.flatnonzero(np.diff(time_s) <= 0)):
         raise Unreadable(f"its times do not rise from line to line: see pose {falls[0] + 2}")
-    if len(wrong := np.flatnonzero(np.linalg.norm(quaternion, axis=1) < 0.5)):
-        raise Unreadable(f"pose {wrong[0] + 1} has a rotation that is no unit quaternion")
-    poses = np.tile(np.eye(4), (len(time_s), 1, 1))
-    poses[:, :3, :3] = Rotation.from_quat(quaternion).as_matrix()
-    poses[:, :3, 3] = position_m
+    _check_rotations(poses[:, :3, :3])
+    position_m = poses[:, :3, 3]
     if time_s[-1] > _LONGEST_S:
         far_m = float(np.linalg.norm(np.diff(position_m, axis=0), axis=1).sum())
         raise Unreadable(
@@ -140,7 +176,7 @@ def _timed(
     return RecordedPath(time_s, poses, form, unit)
 
 
-def stamp_unit(stamp: NDArray[np.float64], form: Literal["tum", "euroc"]) -> StampUnit:
+def stamp_unit(stamp: NDArray[np.float64], form: Form) -> StampUnit:
     """The unit of stamps: that of the layout, unless their size says that it can be none of it.
 
     >>> stamp_unit(np.array([1.4e18, 1.40000000005e18]), "tum"), stamp_unit(np.array([0.0, 0.05]), "tum")
@@ -161,8 +197,11 @@ def stamp_unit(stamp: NDArray[np.float64], form: Literal["tum", "euroc"]) -> Sta
 
 def doubt_of_time(path: RecordedPath) -> str | None:
     """Why the times of a path are hardly in seconds, or whose they are; None where nothing is doubtful."""
+    if path.form in _UNTIMED and path.form != "kitti":
+        what = f"{_UNTIMED[path.form]} holds neither times nor a unit"
+        return f"{what}: {KITTI_RATE_HZ:g} poses a second, and metres, are taken"
     if path.form == "kitti":
-        return f"KITTI's layout holds no times: {KITTI_RATE_HZ:g} poses a second are taken"
+        return f"{_UNTIMED[path.form]} holds no times: {KITTI_RATE_HZ:g} poses a second are taken"
     if len(path.time_s) < 3:
         return None
     if (np.diff(path.time_s) == 1.0).all():
