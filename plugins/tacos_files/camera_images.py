@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
@@ -176,9 +176,38 @@ def opened_raw(path: Path, where: str, within: Path | None = None) -> Iterator[A
         raise UserError(Fault(where, f"{path.name} is no RAW file that can be read: {error}")) from error
 
 
+def check_bit_depth(image: NDArray[Any], bit_depth: int, where: str, name: str) -> None:
+    """Raise `UserError` where a file of 8 bits is said to hold samples of more."""
+    if image.dtype == np.uint8 and bit_depth > 8:
+        what = f"{name} has 8 bits, and bit_depth says {bit_depth}"
+        remedy = f"Save frames with 16 bits, as the camera gave all {bit_depth}, or set bit_depth: 8."
+        raise UserError(Fault(where, what, f"{bit_depth}-bit samples in files of 16 bits", remedy))
+
+
 def _read_raw(path: Path, where: str, within: Path | None) -> NDArray[Any]:
     with opened_raw(path, where, within) as raw:
         mosaic = raw.raw_image_visible
         if mosaic is None:  # RGB in a RAW container
             raise UserError(Fault(where, f"{path.name} holds no mosaic", "samples of single pixels"))
-        return np.array(mosaic)
+        return level_blacks(
+            np.array(mosaic), raw.raw_colors_visible, raw.black_level_per_channel, raw.white_level
+        )
+
+
+def black_of_raw(blacks_dn: Sequence[float]) -> int:
+    """The black level of all samples of a RAW file once read: the mean of its channels' [DN]."""
+    return round(sum(blacks_dn) / len(blacks_dn))
+
+
+def level_blacks(
+    mosaic: NDArray[Any], channel: NDArray[np.uint8], blacks_dn: Sequence[float], white_dn: float
+) -> NDArray[Any]:
+    """A mosaic whose channels are moved to one black level; saturated samples stay as they are.
+
+    `channel`: (H, W) index of each sample into `blacks_dn`.
+    """
+    away = black_of_raw(blacks_dn) - np.rint(blacks_dn).astype(np.int64)
+    if not away.any():
+        return mosaic
+    moved = np.clip(mosaic + away[channel], 0, _MOST_DN).astype(mosaic.dtype)
+    return np.where(mosaic >= white_dn, mosaic, moved)

@@ -99,6 +99,12 @@ def test_the_byte_order_and_type_of_whole_numbers_do_not_matter(folder, tmp_path
     assert_found(calibrate(tmp_path, frames=str(folder), camera={**CAMERA, "bit_depth": 12}), 16)
 
 
+def test_frames_of_eight_bits_that_are_said_to_have_twelve_are_refused(folder, tmp_path):
+    write(folder, colour_bars(2).astype(np.uint8), "png")
+    with pytest.raises(UserError, match=r"000\.png has 8 bits, and bit_depth says 12"):
+        calibrate(tmp_path, frames=str(folder), camera={**CAMERA, "bit_depth": 12})
+
+
 def test_jpeg_frames_are_refused_with_the_reason(folder, tmp_path):
     write(folder, colour_bars(3).astype(np.uint8), "jpg")
     with pytest.raises(UserError) as raised:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_files.camera_images import read_array, read_image
+from tacos_files.camera_images import check_bit_depth, read_array, read_image
 from tacos_files.jpeg_coding import jpeg_coding
 from tacos_framework import Document, Fault, FileCoding, UserError
 from tacos_framework.files import limits, read_csv, too_large
@@ -26,9 +26,9 @@ PATCH_COLUMNS = ("x", "y", "width", "height", "r", "g", "b")
 class CaptureFiles:
     """Reads the files of captures and keeps every fault."""
 
-    def __init__(self, folder: Path, document: Document, channels: int):
+    def __init__(self, folder: Path, document: Document, channels: int, bit_depth: int = 8):
         self.folder = folder
-        self.channels = channels
+        self.channels, self.bit_depth = channels, bit_depth
         self.faults: list[Fault] = []
         self._document = document
         self._bytes = 0
@@ -78,7 +78,10 @@ class CaptureFiles:
         read = 0
         for path in paths:
             try:
-                image = self._with_channels(read_image(path, where, self.folder), path, where)
+                image = read_image(path, where, self.folder)
+                if key == "real":
+                    check_bit_depth(image, self.bit_depth, where, path.name)
+                image = self._with_channels(image, path, where)
             except UserError as error:
                 self.faults.extend(error.faults)
                 continue

@@ -74,7 +74,7 @@ class _Reader:
 
     def __init__(self, folder: Path, document: Document, entry: FolderEntry, render: Render | None):
         self.entry = entry
-        self.files = CaptureFiles(folder, document, entry.camera.channels)
+        self.files = CaptureFiles(folder, document, entry.camera.channels, entry.camera.bit_depth)
         self.limitations: list[str] = []
         self.where_of: dict[str, str] = {}
         if not entry.captures:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from tacos_files.camera_images import RAW_SUFFIXES, opened_raw
+from tacos_files.camera_images import RAW_SUFFIXES, black_of_raw, opened_raw
 from tacos_files.image_headers import UNREADABLE
 from tacos_framework import Fault, UserError
 from tacos_framework.files import read_bytes
@@ -170,7 +170,7 @@ def _of_raw(path: Path) -> tuple[dict[str, Any], tuple[int, int]]:
         other = getattr(raw, "other", None)  # since rawpy 0.22; EXIF says the same of most cameras
         said = {
             "raw": True,
-            "black_level_dn": float(sum(raw.black_level_per_channel) / len(raw.black_level_per_channel)),
+            "black_level_dn": float(black_of_raw(raw.black_level_per_channel)),
             "white_level_dn": float(raw.white_level),
             "cfa": _bayer_pattern(raw, path),
         }

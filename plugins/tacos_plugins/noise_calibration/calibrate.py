@@ -134,7 +134,8 @@ class CalibrateNoise:
         """The frames, what is known of their camera, and the noise that went in where that is known."""
         config = self.config
         if config.frames and config.camera is not None:
-            return read_stack(config.frames, config.camera.cfa), config.camera, None
+            camera = config.camera
+            return read_stack(config.frames, camera.cfa, camera.bit_depth), camera, None
         if config.rendering is None:
             raise ValueError("no frames and no rendering; Config refuses that")
         rendering = config.rendering

@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_files.camera_images import PICTURE_SUFFIXES, read_frame
+from tacos_files.camera_images import PICTURE_SUFFIXES, check_bit_depth, read_frame
 from tacos_framework import Fault, UserError
 
 Mosaic = Literal["none", "RGGB", "BGGR", "GRBG", "GBRG"]
@@ -64,7 +64,7 @@ def stack_of(frames: NDArray[Any], source: str, mosaic: Mosaic = "none") -> Fram
     return FrameStack({name: [frames[..., i]] for i, name in enumerate(_COLOURS[frames.shape[-1]])}, source)
 
 
-def read_stack(pattern: str, mosaic: Mosaic = "none") -> FrameStack:
+def read_stack(pattern: str, mosaic: Mosaic = "none", bit_depth: int = 8) -> FrameStack:
     """Read the frames of a folder, or those that a glob finds, in the order of their names.
 
     Raises `UserError` when there are none, or with every file that cannot be read or does not match the
@@ -84,6 +84,7 @@ def read_stack(pattern: str, mosaic: Mosaic = "none") -> FrameStack:
     for path in paths:
         try:
             image = read_frame(path, str(path))
+            check_bit_depth(image, bit_depth, str(path), path.name)
         except UserError as error:
             faults += error.faults
             continue

@@ -392,3 +392,11 @@ def test_hidden_files_beside_frames_are_no_frames(tmp_path):
 def test_a_pattern_in_other_capitals_is_told_what_there_is(tmp_path):
     flat_folder(tmp_path, real="Flat/*.PNG")
     assert "Capitals count: there is flat/000.png." in only(faults(tmp_path))
+
+
+def test_files_of_eight_bits_that_are_said_to_have_twelve_are_a_fault(tmp_path):
+    entry = {"id": "flat", "kind": "flat", "real": save_frames(tmp_path, "flat", noisy(100.0, 2))}
+    describe(tmp_path, entry | {"simulated": 100.0}, camera={**CAMERA, "bit_depth": 12})
+    found = faults(tmp_path)
+    assert len(found) == 2
+    assert "has 8 bits, and bit_depth says 12" in found[0]

@@ -9,7 +9,8 @@ import pytest
 
 from tacos_files.camera_images import read_image
 from tacos_framework.errors import UserError
-from tests.gap.captures.dng import dng
+from tacos_gap.photographs.facts import read_facts
+from tests.gap.captures.dng import SHORT, dng
 
 
 def test_raw_samples_come_as_they_are(tmp_path: Path) -> None:
@@ -18,6 +19,20 @@ def test_raw_samples_come_as_they_are(tmp_path: Path) -> None:
     path = tmp_path / "photo.dng"
     path.write_bytes(dng(samples))
     np.testing.assert_array_equal(read_image(path, "captures.yaml:1:1")[..., 0], samples)
+
+
+def test_channels_with_black_levels_of_their_own_come_with_one(tmp_path: Path) -> None:
+    pytest.importorskip("rawpy", reason="the extra raw is not installed")
+    blacks = np.array([[1000, 1010], [1020, 1030]], np.uint16)
+    light = np.random.default_rng(0).integers(0, 50_000, (32, 48))
+    light[4, 4] = 65535
+    path = tmp_path / "photo.dng"
+    samples = np.clip(light + np.tile(blacks, (16, 24)), 0, 65535).astype(np.uint16)
+    path.write_bytes(dng(samples, {50713: (SHORT, [2, 2]), 50714: (SHORT, blacks.ravel().tolist())}))
+    found = read_image(path, "captures.yaml:1:1")[..., 0].astype(int)
+    assert read_facts(path).black_level_dn == 1015
+    np.testing.assert_array_equal((found - 1015)[light < 60_000], light[light < 60_000])
+    assert found[4, 4] == 65535
 
 
 def test_a_raw_file_that_is_cut_short_is_a_fault(tmp_path: Path) -> None:
