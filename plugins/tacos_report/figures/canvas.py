@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable, Sequence
 from html import escape
 from io import StringIO
 from typing import Any, Literal
+from urllib.parse import quote, unquote
 
 import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
@@ -68,6 +71,15 @@ def draw(name: str, size_in: tuple[float, float], description: str, paint: Calla
     return _inline(text.getvalue(), description)
 
 
+_HOVER = "hover:"
+_MARKERS = re.compile(rf'<g id="{_HOVER}([^"]*)">(.*?</defs>.*?)</g>', re.DOTALL)
+
+
+def hover(markers: Line2D, texts: Sequence[str]) -> None:
+    """Show a text for each marker of a line while the pointer rests on it, by an SVG title."""
+    markers.set_gid(_HOVER + quote(json.dumps(texts)))
+
+
 def light_grid(axes: Axes, axis: Literal["x", "y"]) -> None:
     """Faint lines along one axis, no tick marks."""
     axes.grid(axis=axis)
@@ -97,9 +109,19 @@ def logarithmic_height(axes: Axes) -> None:
     axes.yaxis.set_minor_locator(NullLocator())
 
 
+def _titled(found: re.Match[str]) -> str:
+    """The group of a line with a title in each of its markers."""
+    texts = iter(json.loads(unquote(found[1])))
+    return re.sub(
+        r"(<use [^>]*)/>",
+        lambda use: f"{use[1]}><title>{escape(next(texts))}</title></use>",
+        f"<g>{found[2]}</g>",
+    )
+
+
 def _inline(document: str, description: str) -> str:
     """The <svg> element alone, tinted and labelled, without ids that nothing refers to."""
-    svg = document[document.index("<svg") :]
+    svg = _MARKERS.sub(_titled, document[document.index("<svg") :])
     svg = re.sub(r"<g id=\"[^\"]*\"", "<g", svg)
     svg = re.sub(r"<!--.*?-->\n?", "", svg, flags=re.DOTALL)
     svg = re.sub(r" font: ([\d.]+px)[^;\"]*", r" font-size: \1", svg.replace('style="font:', 'style=" font:'))

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from tacos_report import verdicts
 from tacos_report.analysis import Comparison
-from tacos_report.figures.canvas import NARROW_IN, draw, light_grid, name_rows
+from tacos_report.figures.canvas import NARROW_IN, draw, hover, light_grid, name_rows
 from tacos_report.palette import INK, MUTED, RULE, camera_colour
 from tacos_report.quantities import signed
 
@@ -42,7 +42,9 @@ def forest(
             assert each.difference is not None
             colour = camera_colour(indices[each.against]) if each.against in indices else INK
             axes.plot(each.interval, [place, place], color=colour, linewidth=3, solid_capstyle="butt")
-            axes.plot([each.difference], [place], "o", color=colour, markersize=9, linestyle="")
+            (dot,) = axes.plot([each.difference], [place], "o", color=colour, markersize=9, linestyle="")
+            low, high = (signed(end) for end in each.interval)
+            hover(dot, [f"{titles[each.against]}: {signed(each.difference)} (95 % {low} to {high})"])
             weight = "bold" if each.verdict in ("better", "worse") else "normal"
             word = verdicts.WORDS[each.verdict]
             if not narrow:

@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 from matplotlib.figure import Figure
 
 from tacos_report.analysis import RankedPart
-from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
+from tacos_report.figures.canvas import NARROW_IN, draw, hover, light_grid
 from tacos_report.palette import DOT, INK, PAPER, camera_colour
 from tacos_report.quantities import number
 
@@ -52,19 +52,20 @@ def parts_ranked(
             places, intervals, colours = zip(*known, strict=True)
             low, high = zip(*intervals, strict=True)
             axes.hlines(places, low, high, colors=colours, linewidth=2.2, alpha=0.75, capstyle="projecting")
-        dots: dict[tuple[str, float, str, bool], list[tuple[float, int]]] = {}
+        dots: dict[tuple[str, float, str, bool], list[int]] = {}
         for place, part in enumerate(parts):
-            dots.setdefault(dot(part), []).append((part.fitness, place))
+            dots.setdefault(dot(part), []).append(place)
             if (title := titled(part)) and title != part.part:
                 right = part.ci[1] if part.ci else part.fitness
                 axes.annotate(title, (right, place), (7, 0), textcoords="offset points", va="center",
                               color=colour(part), fontsize=8)  # fmt: skip
         for (marker, size, own, measured), at in dots.items():  # of a kind together: each takes a while
             fill, edge, width = (own, PAPER, 0.8) if measured else (PAPER, own, 1.4)
-            axes.plot(
-                *zip(*at, strict=True), marker, markersize=size, linestyle="",
+            (line,) = axes.plot(
+                [parts[place].fitness for place in at], at, marker, markersize=size, linestyle="",
                 color=fill, markeredgecolor=edge, markeredgewidth=width,
             )  # fmt: skip
+            hover(line, [_hovered(parts[place]) for place in at])
         axes.set_yticks(range(len(parts)), [part.part for part in parts])
         for label, part in zip(axes.get_yticklabels(), parts, strict=True):
             own = colour(part)
@@ -79,3 +80,9 @@ def parts_ranked(
     name, width_in = ("parts-ranked-narrow", NARROW_IN) if narrow else ("parts-ranked", 9.2)
     size_in = (width_in, 0.7 + _ROW_IN * len(parts))
     return draw(name, size_in, f"{len(parts)} parts by fitness: {said}.", paint)
+
+
+def _hovered(part: RankedPart) -> str:
+    interval = f" (95 % {number(part.ci[0])} to {number(part.ci[1])})" if part.ci else ""
+    seen = f"rendered in {part.episodes} scenes" if part.episodes else "predicted"
+    return f"{part.part}: {number(part.fitness)}{interval}, {seen}"

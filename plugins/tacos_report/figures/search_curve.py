@@ -10,9 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-from tacos_report.figures.canvas import NARROW_IN, draw, light_grid
+from tacos_report.figures.canvas import NARROW_IN, draw, hover, light_grid
 from tacos_report.palette import DOT, INK, MUTED, PAPER, camera_colour
-from tacos_report.quantities import number
+from tacos_report.quantities import number, shown, words
 from tacos_report.study_data import Generation, Tried
 
 
@@ -34,6 +34,7 @@ def search_curve(
     ends = list(accumulate(spent))
     placed = _placed(generations, ends)
     scored = [(x, candidate.fitness) for x, candidate in placed if candidate.fitness is not None]
+    cameras = [_hovered(candidate) for _, candidate in placed if candidate.fitness is not None]
     designed = [
         (x, tried.fitness) for x, tried in placed if tried.fitness is not None and is_design(tried.camera)
     ][:1]  # optimizers that keep their best try it again and again
@@ -46,7 +47,10 @@ def search_curve(
         axes = figure.add_subplot()
         if scored:
             xs, ys = zip(*scored, strict=True)
-            axes.plot(xs, ys, "o", color=DOT, alpha=0.55, markersize=5, linestyle="", label="candidate")
+            (dots,) = axes.plot(
+                xs, ys, "o", color=DOT, alpha=0.55, markersize=5, linestyle="", label="candidate"
+            )
+            hover(dots, cameras)
             best = list(accumulate(ys, max))
             line: dict[str, Any] = {"color": INK, "linewidth": 1.8, "drawstyle": "steps-post"}
             axes.plot([*xs, ends[-1]], [*best, best[-1]], label="best so far", **line)
@@ -74,6 +78,13 @@ def search_curve(
     if narrow:
         return draw("search-curve-narrow", (NARROW_IN, 3.4), description, paint)
     return draw("search-curve", (9.2, 4.0), description, paint)
+
+
+def _hovered(candidate: Tried) -> str:
+    camera = ", ".join(
+        f"{words(name).lower()} {shown(name, value)}" for name, value in candidate.camera.items()
+    )
+    return f"{number(candidate.fitness or 0.0)}: {camera}"
 
 
 def _placed(generations: Sequence[Generation], ends: Sequence[int]) -> list[tuple[float, Tried]]:
