@@ -41,14 +41,12 @@ def lead(decision: Decision) -> str:
     text = f"Difference in fitness, scene by scene: {signed(found.difference)}"
     if found.interval is not None:
         text += f", and with {_confidence(decision)} confidence {between(found.interval)}"
-        text += (
-            f", after {_scenes(found)}. The interval allows for having looked at the results several times."
-        )
+        text += f", after {_scenes(found)}. The interval is corrected for interim analyses."
     else:
         text += f", after {_scenes(found)}, which are too few for an interval."
     if decision.margin > 0:
         of_scores = f", from {margin_words(decision.margins)}" if decision.margins else ""
-        text += f" Differences below {number(decision.margin, 2)}{of_scores}, count as none."
+        text += f" Differences below {number(decision.margin, 2)}{of_scores}, are negligible."
     if found.verdict == "undecided":
         text += " Raise test.most_episodes to settle it, or choose by price and supply."
     return text

@@ -47,7 +47,7 @@ def test_the_lead_has_difference_interval_scenes_and_margin(verdict: str) -> Non
     for part in (
         "95\u202f% confidence between",
         "12 test scenes",
-        "Differences below 0.012, from 2 in features: inliers, count as none",
+        "Differences below 0.012, from 2 in features: inliers, are negligible",
     ):
         assert part in lead
     assert ("test.most_episodes" in lead) == (verdict == "undecided")

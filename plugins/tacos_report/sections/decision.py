@@ -28,9 +28,8 @@ def blocks(study: StudyData) -> Iterator[Block]:
         yield in_both_widths(
             partial(forest, drawn, titles, indices, margin),
             "Fitness of the designed camera less that of each product, over the same unseen scenes: to the "
-            "right of zero the designed camera is better. Bars are wide enough for "
-            "looking at the results several times while scenes were added"
-            + (". Within the shaded margin a difference counts as none." if margin else "."),
+            "right of zero the designed camera is better. Intervals are corrected for interim analyses."
+            + (" Differences within the shaded margin are negligible." if margin else ""),
         )
     yield Table(
         ("Against", "Difference in fitness", "Verdict", "Test scenes"),
