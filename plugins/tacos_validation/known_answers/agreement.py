@@ -21,43 +21,28 @@ PLACES = 2048
 
 @dataclass(frozen=True)
 class PointHeld:
-    """A point of a job: what the industry has, and what the study says.
-
-    Parameters
-    ----------
-    study
-        The word, or median, of the best camera over draws of the study's posterior; None without one.
-    probability
-        Share of those draws whose best camera is of the industry's class; None where the study has no answer.
-    chance
-        Share of the cameras the study could choose that are of that class.
-    agrees
-        Whether that probability is at least one half.
-    why
-        Why the study has no answer, in a sentence.
-    """
+    """A point of a job: what the industry has, and what the study says."""
 
     job: str
     point: str
     industry: str
     study: str | float | None
+    """The word, or median, of the best camera over draws of the study's posterior; None without one."""
     probability: float | None
-    chance: float
-    agrees: bool
-    why: str | None = None
+    """Share of those draws whose best camera is of the industry's class; None where the study has no
+    answer."""
+    chance: float  # share of the cameras the study could choose that are of that class
+    agrees: bool  # whether that probability is at least one half
+    why: str | None = None  # why the study has no answer, in a sentence
 
     def as_data(self) -> dict[str, Any]:
-        """For ``result.json``."""
         return {name: value for name, value in asdict(self).items() if name != "why" or value is not None}
 
 
 def held(job: str, answer: IndustryAnswer, result: Mapping[str, Any], plan: Plan) -> PointHeld:
     """One point of a job.
 
-    Parameters
-    ----------
-    result
-        What the study found, as `result.json` has it.
+    - `result`: what the study found, as `result.json` has it.
     """
     chance = share_in_class(plan, answer.within)
     optimal = result.get("equivalent", {}).get("optimal", ())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -18,12 +19,10 @@ from tacos_framework import (
     Settings,
     UserError,
     did_you_mean,
-    load_recipe,
     setting,
 )
 from tacos_framework.plan import Plan, make_plan
-from tacos_report.page import write_page
-from tacos_validation.harness import result_of
+from tacos_validation.harness import FaultsTogether, leave, result_of, study_recipe
 from tacos_validation.known_answers.agreement import PointHeld, held
 from tacos_validation.known_answers.industry import (
     SHIPPED,
@@ -74,8 +73,6 @@ class KnownAnswers:
     """
 
     class Config(Settings):
-        """Settings of the procedure."""
-
         data: str = setting(
             "",
             help="CSV file of systems with the columns job, system, shutter, colour, pixel_um, width_px, "
@@ -91,7 +88,6 @@ class KnownAnswers:
         self.config = config
 
     def check(self, *, plugins: Plugins, seed: int) -> None:
-        """Look for faults in every study and in the table."""
         self._planned(plugins, seed)
 
     def run(
@@ -105,39 +101,33 @@ class KnownAnswers:
         resume: bool,
         accept_changes: bool = False,
     ) -> Mapping[str, Any]:
-        """Run them; leaves ``report.html`` and a folder for each study."""
         jobs = self._planned(plugins, seed)
         progress.phase("Running studies", len(jobs))
         points: list[PointHeld] = []
+        result = partial(
+            result_of, plugins=plugins, executor=executor, resume=resume, accept_changes=accept_changes
+        )
         for job in jobs:
-            result = result_of(
-                job.recipe,
-                out / "studies" / job.name,
-                plugins=plugins,
-                executor=executor,
-                resume=resume,
-                accept_changes=accept_changes,
-            )
-            points += [held(job.name, answer, result, job.plan) for answer in job.answers]
+            found = result(job.recipe, out / "studies" / job.name)
+            points += [held(job.name, answer, found, job.plan) for answer in job.answers]
             progress.step(job.name)
         not_asked = {job.name: list(job.absent) for job in jobs if job.absent}
-        write_page(out / "report.html", page(points, not_asked))
-        return {
+        data = {
             "jobs": [each.as_data() for each in points],
             "agreement": sum(each.agrees for each in points) / len(points),
             "by_chance": sum(each.chance for each in points) / len(points),
             "not_stated": not_asked,
-            "summary": summary(points),
         }
+        return leave(out, page(points, not_asked), data, summary(points))
 
     def _planned(self, plugins: Plugins, seed: int) -> list[PlannedJob]:
         """Every job with its plan and answers; all faults at once."""
         systems = read_systems(Path(self.config.data) if self.config.data else SHIPPED)
-        faults: list[Fault] = []
+        faults = FaultsTogether()
         planned = []
         for name, job in self.config.jobs.items():
-            faults += _faults_of(name, job, systems)
-            try:
+            faults.faults += _faults_of(name, job, systems)
+            with faults.of(f"jobs.{name}"):
                 recipe = self._recipe(job, seed)
                 own = [
                     row for row in systems if row["job"] in job.systems and row["system"] not in job.leave_out
@@ -146,22 +136,14 @@ class KnownAnswers:
                 answers = tuple(answer for answer in found.values() if answer is not None)
                 absent = tuple(point for point, answer in found.items() if answer is None)
                 planned.append(PlannedJob(name, recipe, make_plan(recipe, plugins), answers, absent))
-            except UserError as error:
-                faults += [
-                    Fault(f"jobs.{name}: {f.where}", f.what, f.expected, f.remedy) for f in error.faults
-                ]
-        if not faults and not any(job.answers for job in planned):
-            faults.append(Fault("data", "its systems state no point of any job", "systems with values"))
-        if faults:
-            raise UserError(faults)
+        if not faults.faults and not any(job.answers for job in planned):
+            raise UserError(Fault("data", "its systems state no point of any job", "systems with values"))
+        faults.refuse()
         return planned
 
     def _recipe(self, job: KnownJob, seed: int) -> Recipe:
         changes = {**job.change, "seed": seed, "optimizer.evaluations": self.config.evaluations}
-        recipe = load_recipe(job.study, changes)
-        if not isinstance(recipe, Recipe):
-            raise UserError(Fault("study", f"{job.study} is no study", "a recipe that designs"))
-        return recipe.model_copy(update={"compare": None, "test": None})
+        return study_recipe(job.study, changes).model_copy(update={"compare": None, "test": None})
 
 
 def _faults_of(name: str, job: KnownJob, systems: Sequence[System]) -> Iterator[Fault]:

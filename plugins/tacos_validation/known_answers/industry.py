@@ -26,27 +26,14 @@ System = Mapping[str, str]
 
 @dataclass(frozen=True)
 class Point:
-    """Something that systems of a job have in common.
+    """Something that systems of a job have in common."""
 
-    Parameters
-    ----------
-    quantity
-        What a study calls it, as constraints do.
-    columns
-        Columns of the table whose product it is.
-    unit
-        Unit of the quantity; empty for words.
-    scale
-        The quantity over that product.
-    margin
-        Factor below the least and above the greatest system that still counts as the same class.
-    """
-
-    quantity: str
-    columns: tuple[str, ...]
-    unit: str = ""
-    scale: float = 1.0
+    quantity: str  # what a study calls it, as constraints do
+    columns: tuple[str, ...]  # columns of the table whose product it is
+    unit: str = ""  # unit of the quantity; empty for words
+    scale: float = 1.0  # the quantity over that product
     margin: float = 1.0
+    """Factor below the least and above the greatest system that still counts as the same class."""
 
 
 POINTS: Mapping[str, Point] = {
@@ -62,32 +49,16 @@ POINTS: Mapping[str, Point] = {
 
 @dataclass(frozen=True)
 class IndustryAnswer:
-    """The class of cameras that the industry has at one point.
-
-    Parameters
-    ----------
-    within
-        What a camera of that class keeps.
-    said
-        The same in words.
-    systems
-        The systems that state it.
-    """
+    """The class of cameras that the industry has at one point."""
 
     point: str
-    within: Constraint
-    said: str
-    systems: tuple[str, ...]
+    within: Constraint  # what a camera of that class keeps
+    said: str  # the same in words
+    systems: tuple[str, ...]  # the systems that state it
 
 
 def read_systems(path: Path) -> list[System]:
-    """The lines of a table of systems.
-
-    Raises
-    ------
-    UserError
-        With the columns that are missing.
-    """
+    """The lines of a table of systems. Raises UserError with the columns that are missing."""
     (_, heading), *lines = read_csv(path) or [(1, [])]
     needed = ("job", "system", *(column for point in POINTS.values() for column in point.columns))
     if missing := [name for name in needed if name not in heading]:

@@ -25,7 +25,6 @@ def _miss(each: PointHeld) -> str:
 
 
 def page(points: Sequence[PointHeld], not_stated: Mapping[str, Sequence[str]]) -> Page:
-    """The page."""
     rows = tuple(
         (
             each.job,
