@@ -158,7 +158,6 @@ def _settle_black(camera: _Answers, pictures: Sequence[Picture], given: Given) -
 
 
 def _usual(values: Any, *, zero: bool = False) -> Any:
-    """What most of them are; None where none says."""
     said = [value for value in values if value is not None and (zero or value)]
     return Counter(said).most_common(1)[0][0] if said else None
 

@@ -120,7 +120,7 @@ def bits_of(largest_dn: float, sample: str) -> int:
 
 
 def _has_lattice(plane: NDArray[np.generic]) -> bool:
-    """Whether the four phases of two by two pixels have other means."""
+    """True if the four phases of two by two pixels have other means."""
     if min(plane.shape) < 2:
         return False
     phases = np.array(

@@ -1,10 +1,8 @@
 """Poses of cameras without times: COLMAP and NeRF.
 
-References
-----------
-Schoenberger and Frahm 2016, COLMAP, ``images.txt``: ``id qw qx qy qz tx ty tz camera name``, world to camera,
-each before a line of its points.
-Mildenhall et al. 2020, NeRF, ``transforms.json``: camera to world, x right, y up, z back.
+Source: Schoenberger and Frahm 2016, COLMAP, ``images.txt``: ``id qw qx qy qz tx ty tz camera name``, world to
+camera, each before a line of its points. Mildenhall et al. 2020, NeRF, ``transforms.json``: camera to world,
+x right, y up, z back.
 """
 
 from __future__ import annotations

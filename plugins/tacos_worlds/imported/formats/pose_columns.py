@@ -28,8 +28,6 @@ class Columns:
 def named_columns(line: str) -> Columns | None:
     """The columns that a line of names tells; None where it is none.
 
-    Examples
-    --------
     >>> named_columns("#timestamp [ns], p_RS_R_x [m], p_y [m], p_z [m], q_RS_w [], q_RS_x [], q_y, q_z")
     Columns(time=0, position=(1, 2, 3), rotation=(5, 6, 7, 4), unit='ns')
     >>> named_columns("# timestamp tx ty tz qx qy qz qw").rotation, named_columns("# by ORB")
@@ -57,5 +55,5 @@ def named_columns(line: str) -> Columns | None:
 
 
 def has_angles(line: str) -> bool:
-    """Whether a line of names has roll, pitch and yaw, whose order and axes no name tells."""
+    """True if a line of names has roll, pitch and yaw, whose order and axes no name tells."""
     return set(re.findall(r"roll|pitch|yaw", line.lower())) == _ANGLES

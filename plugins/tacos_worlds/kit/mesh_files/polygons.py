@@ -111,7 +111,7 @@ def _ears(polygon: NDArray[np.float64]) -> Iterator[tuple[int, int, int]]:
 def _empty(
     a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64], points: NDArray[np.float64]
 ) -> bool:
-    """Whether no point lies in a triangle, but for those at its corners."""
+    """True if no point lies in a triangle, but for those at its corners."""
     inside = np.minimum(
         np.minimum(_cross(b - a, points - a), _cross(c - b, points - b)), _cross(a - c, points - c)
     )

@@ -35,7 +35,7 @@ class References:
         self.notes: list[str] = []
 
     def has(self, name: str) -> bool:
-        """Whether a file of that name is there."""
+        """True if a file of that name is there."""
         try:
             return self._found(name) is not None
         except (OSError, ValueError):  # too long, or with a NUL
