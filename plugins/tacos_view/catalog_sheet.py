@@ -22,12 +22,10 @@ class SheetFormat:
     """Size of parts and of their names in the drawing."""
 
     width_mm: float  # across the sheet, in millimetres of parts [mm]
-    cell_mm: float
-    """With label_mm: least room across for a part, and room below it for its name and detail, in millimetres
-    of parts [mm]."""
-    label_mm: float
+    cell_mm: float  # least room across for a part, in millimetres of parts
+    label_mm: float  # room below it for name and detail, likewise
     inches_per_mm: float  # size of the drawing over that of the parts [in/mm]
-    name_pt: float  # with detail_pt: sizes of letters [pt]
+    name_pt: float  # size of letters
     detail_pt: float
     groups_in_a_row: int  # names of groups beside one another
     least_mm: float = 0.0  # the sheet is so wide, however few parts there are [mm]
@@ -69,8 +67,8 @@ def for_phone(parts: Sequence[Outline]) -> SheetFormat:
 class Outline:
     """A part as it is drawn: its active area, or the circle that a lens fills with light."""
 
-    name: str  # with detail: two lines of text below it
-    detail: str
+    name: str
+    detail: str  # second line of text below it
     width_mm: float
     height_mm: float
     round: bool = False  # a circle rather than a rectangle

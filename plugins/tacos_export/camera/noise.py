@@ -24,11 +24,10 @@ class NoiseDescription:
     temporal_dark_noise_dn: tuple[float, ...]  # the same in the file [DN]
     saturation_capacity_e: tuple[float | None, ...]
     """Electrons at which the file, or the photosites if they are known to hold less, are full [e-]."""
-    black_level_dn: float  # with white_level_dn: pedestal and full scale [DN]
-    white_level_dn: float
-    quantum_efficiency: float | None
-    """With dark_current_e_s: as the catalog knows them [1], [e-/s]; None is unknown."""
-    dark_current_e_s: float | None
+    black_level_dn: float
+    white_level_dn: float  # full scale
+    quantum_efficiency: float | None  # as the catalog knows it [1]; None is unknown
+    dark_current_e_s: float | None  # likewise [e-/s]
     exposure: Exposure  # the circumstances: the gain is part of K
     origins: Mapping[str, str] = field(default_factory=dict)
     """Where the figures come from, as the sensor model says; empty where it does not."""

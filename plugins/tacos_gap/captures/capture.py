@@ -41,9 +41,8 @@ class Board:
     """Side of its squares, or distance from circle to circle; of rows of asymmetric circles half of it is the
     distance between rows [mm]."""
     pattern: str = "chessboard"  # chessboard, charuco, circles or asymmetric_circles
-    marker_mm: float = 0.0
-    """With dictionary: side of the markers of a ChArUco board [mm], and OpenCV's name of their dictionary."""
-    dictionary: str = ""
+    marker_mm: float = 0.0  # side of the markers of a ChArUco board
+    dictionary: str = ""  # OpenCV's name, of those markers
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,8 +71,8 @@ class RealCapture:
     expected_dn: NDArray[np.float32] | None
     """(1 or N, H, W, C) float32 noise-free expected values with the pedestal [DN]; None for a board."""
     valid: NDArray[np.bool_]  # (H, W) bool; False where `expected_dn` says nothing
-    geometry: ImageGeometry  # with context: where the pixels lie, and what else is known of the capture
-    context: ImageContext
+    geometry: ImageGeometry  # where the pixels lie
+    context: ImageContext  # what else is known
     noise: Noise
     exposure_stated: bool = True  # whether ``exposure_ms`` was given
     group: str | None = None

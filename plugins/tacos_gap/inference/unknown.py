@@ -53,8 +53,8 @@ class Unexplained:
     share: float  # what is left of the squared gap above the noise floor, over what there was
     where: str | None  # statistic that holds most of it; None where nothing is left
     by_stage: Mapping[str, float] = field(default_factory=dict)
-    """With by_capture: the score for the statistics of a stage, or of a capture, alone."""
-    by_capture: Mapping[str, float] = field(default_factory=dict)
+    """The score for the statistics of a stage alone."""
+    by_capture: Mapping[str, float] = field(default_factory=dict)  # the score for those of a capture
     negligible: bool = False
     """Whether all blocks that differ significantly lie within the noise floor: equivalence margins are part
     of it, and a steady simulator makes differences within them significant."""

@@ -46,9 +46,8 @@ class Facts:
     orientation: int = 1  # EXIF's: 1 for files that stand as the sensor does
     taken: str = ""
     software: str = ""  # what wrote the file
-    lossy: bool = False
-    """With raw: whether the file is compressed with loss; whether it holds the sensor's own samples."""
-    raw: bool = False
+    lossy: bool = False  # compressed with loss
+    raw: bool = False  # holds the sensor's own samples
     black_level_dn: float | None = None
     white_level_dn: float | None = None
     cfa: str | None = None

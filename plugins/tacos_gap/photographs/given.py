@@ -36,8 +36,8 @@ class Given:
     cfa: str | None = None
     inner_corners: tuple[int, int] | None = None  # of the board, along its rows and columns
     square_mm: float | None = None
-    kinds: Mapping[str, str] = field(default_factory=dict)  # with exposures_ms: of pictures, by their names
-    exposures_ms: Mapping[str, float] = field(default_factory=dict)
+    kinds: Mapping[str, str] = field(default_factory=dict)  # by the name of a picture
+    exposures_ms: Mapping[str, float] = field(default_factory=dict)  # by the name of a picture
 
     def __post_init__(self) -> None:
         faults = [

@@ -25,9 +25,9 @@ class Step:
 
     kind: str
     minutes: int  # what it takes [min]
-    what: str  # with how and tells: what to photograph; how, a sentence each; what it tells
-    how: tuple[str, ...]
-    tells: str
+    what: str  # to photograph
+    how: tuple[str, ...]  # a sentence each
+    tells: str  # what it tells
 
 
 STEPS = (

@@ -49,9 +49,9 @@ class Row:
     """Its number for the exposure time, before any unit but those of the cell itself."""
     ms_per_unit: float | None = None
     """What the number counts, where cell or heading say it [ms]; None leaves it open."""
-    iso: float | None = None  # with gain_db and f_number: [1, dB, 1]
+    iso: float | None = None  # [1]
     gain_db: float | None = None
-    f_number: float | None = None
+    f_number: float | None = None  # [1]
     kind: str | None = None  # dark or flat
 
 

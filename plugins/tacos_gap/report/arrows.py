@@ -25,8 +25,8 @@ class Displacements:
 
     title: str
     places_px: NDArray[np.float64]  # (K, 2) where they start, x and y [px]
-    before_px: NDArray[np.float64]  # with after_px: (K, 2) real less simulated position [px]
-    after_px: NDArray[np.float64]
+    before_px: NDArray[np.float64]  # (K, 2) real less simulated position
+    after_px: NDArray[np.float64]  # (K, 2)
     size_px: tuple[int, int]  # width and height of the image [px]
 
 

@@ -19,15 +19,15 @@ from tacos_gap.inference.problem import Problem
 class Numbers:
     """All numbers of a statistic, over the captures it was taken in."""
 
-    statistic: str  # with stage: its name, and the stage of image formation it shows most often
-    stage: str
+    statistic: str
+    stage: str  # of image formation that it shows most often
     labels: Sequence[Label]
-    z_before: NDArray[np.float64]  # with z_after: (K,) real less simulated [noise floor]
-    z_after: NDArray[np.float64]
+    z_before: NDArray[np.float64]  # (K,) real less simulated [noise floor]
+    z_after: NDArray[np.float64]  # (K,)
     sigma: NDArray[np.float64]  # (K,) one noise-floor unit, in the statistic's unit
     real: NDArray[np.float64]
     """(K,) of the real frames, in the statistic's unit; NaN where only differences are known."""
-    gap_before: float  # with gap_after: root mean square of the differences [noise floor]
+    gap_before: float  # root mean square of the differences [noise floor]
     gap_after: float
 
     @property

@@ -21,7 +21,7 @@ ERROR = 0.1
 class TaskScore:
     """A score in reality, in the simulation as it was, and with the causes."""
 
-    real: float  # with sim_before and sim_after: means over the captures that have it
+    real: float  # mean over the captures that have it, as the next two
     sim_before: float
     sim_after: float
     intervals: dict[str, tuple[float, float]] | None

@@ -16,9 +16,8 @@ class Carrier:
     """Drawing of one carrier."""
 
     paint: Callable[[Axes, float], None]  # draws it on axes in metres, with the camera at a height
-    behind_m: float
-    """With ahead_m: room that the drawing needs behind the camera, and how far ahead it reaches."""
-    ahead_m: float
+    behind_m: float  # room that the drawing needs behind the camera
+    ahead_m: float  # how far ahead it reaches
     camera: str  # what the camera is called on it
 
 

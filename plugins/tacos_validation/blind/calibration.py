@@ -27,7 +27,7 @@ class Bin:
 
     stated: float
     true: float  # share of them that is so
-    low: float  # with high: its 95 % interval (Clopper and Pearson 1934)
+    low: float  # of the 95 % interval (Clopper and Pearson 1934)
     high: float
     count: int
 

@@ -15,8 +15,8 @@ class Figure:
     """One figure."""
 
     name: str
-    value: float  # with low and high: the figure, and its 95 % interval; NaN where there are no cases
-    low: float
+    value: float  # NaN where there are no cases
+    low: float  # of the 95 % interval
     high: float
     count: int
     goal: str = ""

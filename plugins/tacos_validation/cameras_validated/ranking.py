@@ -30,12 +30,9 @@ class CameraScores:
 
     score: str
     cameras: tuple[str, ...]
-    """With scenes: names of both; where cameras share no capture, each has one scene of its own, the mean
-    over all."""
-    scenes: tuple[str, ...]
-    means: Mapping[str, NDArray[np.float64]]
-    """With errors: for each stack (cameras, scenes) the score and its standard error over the noise."""
-    errors: Mapping[str, NDArray[np.float64]]
+    scenes: tuple[str, ...]  # where cameras share no capture, each has one of its own, the mean over all
+    means: Mapping[str, NDArray[np.float64]]  # for each stack (cameras, scenes)
+    errors: Mapping[str, NDArray[np.float64]]  # standard errors of these over the noise
     lower_is_better: bool = False
 
     def drawn(self, stack: str, seed: int, *, again: bool = False) -> NDArray[np.float64]:

@@ -25,10 +25,9 @@ class Pictures:
 
     renderer: str
     is_software: bool
-    luminance_cd_m2: NDArray[np.float32]
-    """With depth_m and object_id: (N, H, W, 3), (N, H, W) and (N, H, W) of the first camera [cd/m2, m, 1]."""
-    depth_m: NDArray[np.float32]
-    object_id: NDArray[np.int32]
+    luminance_cd_m2: NDArray[np.float32]  # (N, H, W, 3) of the first camera
+    depth_m: NDArray[np.float32]  # (N, H, W)
+    object_id: NDArray[np.int32]  # (N, H, W)
     frames_per_s: float  # frames by the clock, the first left out, for which the world is lit [1/s]
 
 

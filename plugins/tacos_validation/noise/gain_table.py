@@ -23,8 +23,8 @@ class MeasuredCamera:
 
     name: str
     gains: NDArray[np.float64]  # (N,) linear gains, as ISO values [1]
-    slopes: NDArray[np.float64]  # with intercepts: (N,) a and b [1]
-    intercepts: NDArray[np.float64]
+    slopes: NDArray[np.float64]  # (N,) a [1]
+    intercepts: NDArray[np.float64]  # (N,) b [1]
 
     def __len__(self) -> int:
         return len(self.gains)

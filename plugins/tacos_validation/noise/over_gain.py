@@ -35,8 +35,8 @@ TITLES = {
 class LeftOut:
     """One setting that was left out: its measured noise and the prediction of each model."""
 
-    slope: float  # with intercept: measured a and b over full scale [1]
-    intercept: float
+    slope: float  # measured a over full scale [1]
+    intercept: float  # measured b over full scale [1]
     predicted: Mapping[str, Noise]
 
     @property

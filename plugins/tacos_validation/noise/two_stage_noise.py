@@ -59,8 +59,8 @@ class Noise(NamedTuple):
 
     slope: float  # a: variance per signal [1]
     intercept: float  # b: variance without signal [1]
-    slope_sd: float  # with intercept_sd: standard deviations of ln a and of ln b [1]
-    intercept_sd: float
+    slope_sd: float  # of ln a [1]
+    intercept_sd: float  # of ln b [1]
 
     def variance(self, signal: float) -> float:
         """Variance at a signal, both as shares of full scale [1]."""

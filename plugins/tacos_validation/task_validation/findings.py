@@ -28,9 +28,8 @@ class ValidationFindings:
     titles: tuple[str, ...]
     score: str  # the score that ranks them
     exposures: tuple[str, ...]
-    simulated: tuple[Taken, ...]
-    """With reference: for each camera what it came to in the simulator, and in what stands for reality."""
-    reference: tuple[Taken, ...]
+    simulated: tuple[Taken, ...]  # for each camera what it came to in the simulator
+    reference: tuple[Taken, ...]  # the same in what stands for reality
 
     def scores(self, taken: tuple[Taken, ...], name: str = "") -> NDArray[np.float64]:
         """(settings, seeds, cameras, pairs) of a score, by default of the one that ranks."""

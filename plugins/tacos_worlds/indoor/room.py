@@ -35,19 +35,17 @@ class RoomsToDraw:
     """What is settled of a floor before its rooms are drawn."""
 
     plan: FloorPlan
-    kinds: tuple[str, ...]
-    """With fittings and lamps and lights: of each room what it is used for, its ceiling lights, its lamps
-    that may be on, and its light over that of the brightest [1]."""
-    fittings: tuple[int, ...]
-    lamps: tuple[int, ...]
-    lights: tuple[float, ...]
+    kinds: tuple[str, ...]  # of each room what it is used for
+    fittings: tuple[int, ...]  # of each room its ceiling lights
+    lamps: tuple[int, ...]  # of each room those that may be on
+    lights: tuple[float, ...]  # of each room over the brightest [1]
     leaves: tuple[Rect, ...]  # floor taken by open door leaves [m]
     temperature_k: float
-    ceiling_height_m: float  # with step_m: height of the rooms, and edge of the cells of their surfaces [m]
-    step_m: float
+    ceiling_height_m: float
+    step_m: float  # edge of the cells of surfaces
     catalogue: Catalogue
-    clutter: float  # with people: how many small things, and how many people, over what is usual [1]
-    people: float
+    clutter: float  # small things over what is usual [1]
+    people: float  # over what is usual [1]
 
     def area_m2(self, room: int) -> float:
         width_m, depth_m = self.plan.cells[room].size

@@ -23,8 +23,8 @@ class Finish:
     tint: Colour = (1.0, 1.0, 1.0)  # Linear-sRGB reflectance that multiplies the texture [1]
     variant: int = 0  # which draw of the texture; different variants look alike but not equal
     texture_size_m: float = 0.0  # edge of one tile [m]; 0 for the texture's own
-    roughness: float = 0.8  # with metallic: 0..1 [1]
-    metallic: float = 0.0
+    roughness: float = 0.8  # 0..1 [1]
+    metallic: float = 0.0  # 0..1 [1]
     emission_cd_m2: Colour = (0.0, 0.0, 0.0)  # luminance of the surface's own light per channel [cd/m2]
     image: int = -1  # a texture of the user's own in place of `texture`: index into the images given beside
 

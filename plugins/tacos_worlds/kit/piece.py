@@ -29,7 +29,7 @@ class Top:
 class Seat:
     """A place to sit."""
 
-    x_m: float  # with y_m and height_m: where the hips of who sits there rest [m]
+    x_m: float  # where the hips of who sits there rest
     y_m: float
     height_m: float
     yaw_rad: float = 0.0  # which way one looks from it, 0 for +y, counter-clockwise [rad]
@@ -44,8 +44,8 @@ class Piece:
     parts: tuple[tuple[Mesh, Finish], ...]  # meshes and their finishes
     lights: tuple[Light, ...] = ()  # lamps inside, in the frame of the piece
     can_light: bool = False  # true if its last part is a shade that can glow
-    tops: tuple[Top, ...] = ()  # with seats: where things can stand on it and people sit on it
-    seats: tuple[Seat, ...] = ()
+    tops: tuple[Top, ...] = ()  # where things can stand on it
+    seats: tuple[Seat, ...] = ()  # where people can sit on it
 
     @cached_property
     def bounds_m(self) -> tuple[np.ndarray, np.ndarray]:

@@ -21,10 +21,10 @@ _NEAR_M = 1.0
 class _Side:
     """A side of a block in the frame of its fronts: x along them seen from the street, -y to the street."""
 
-    origin_m: tuple[float, float]  # with yaw_quarters: where its left end is, and how the frame is turned
-    yaw_quarters: int
+    origin_m: tuple[float, float]  # of its left end
+    yaw_quarters: int  # by which the frame is turned
     length_m: float  # from end to end [m]
-    corner_left: bool  # with corner_right: true if its ends stand at street corners
+    corner_left: bool  # true if that end stands at a street corner
     corner_right: bool
 
 

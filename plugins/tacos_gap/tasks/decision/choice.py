@@ -15,8 +15,8 @@ Verdict = Literal["stays", "changes", "undecided"]
 class Choice:
     """The camera one would take before and after."""
 
-    before: str  # with after: the best camera in the simulation as it was, and with the causes
-    after: str
+    before: str  # the best camera in the simulation as it was
+    after: str  # the best one with the causes
     verdict: Verdict
     """``stays`` where no camera beats the first in the better simulation, or only by less than matters;
     ``changes`` where one does; ``undecided`` where the scenes do not tell."""

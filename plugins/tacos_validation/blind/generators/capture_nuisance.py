@@ -18,10 +18,9 @@ class CaptureNuisance:
 
     shift_px: tuple[float, float] = (0.0, 0.0)
     turn_deg: float = 0.0
-    gain: float = 1.0
-    """With slope: of the light: a factor, and relative slopes over the width, the height and the
-    diagonals."""
+    gain: float = 1.0  # a factor of the light
     slope: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Relative, over the width, the height and the diagonals."""
     level_uncertainty: float = 0.0
     expected_frames: int = 0  # noisy frames behind the expectation; 0 for a noiseless one
     defocus_px: float = 0.0  # radius of a disc [px]

@@ -53,9 +53,8 @@ class RecordedPath:
 
     time_s: NDArray[np.float64]  # (K,) rising, from 0 [s]
     poses: NDArray[np.float64]  # (K, 4, 4) of a body in the world of the recording [m]
-    form: Form
-    """With unit: the layout of the file, and the unit its stamps were taken to have."""
-    unit: StampUnit = "s"
+    form: Form  # layout of the file
+    unit: StampUnit = "s"  # that its stamps were taken to have
 
 
 def read_poses(file: Path) -> RecordedPath:

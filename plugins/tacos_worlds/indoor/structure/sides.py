@@ -18,7 +18,7 @@ from tacos_worlds.kit.rectangle import Rect
 class Side:
     """One wall face of a room. Along it x runs to the right seen from the wall, y into the room."""
 
-    x_m: float  # with y_m: the corner where the local x starts [m]
+    x_m: float  # of the corner where the local x starts
     y_m: float
     length_m: float  # length of the face [m]
     yaw_rad: float  # turns local y into the direction into the room

@@ -21,15 +21,13 @@ class Skin:
     texture: NDArray[np.uint8] | None = None  # (H, W, 3) uint8 sRGB, row 0 at the bottom (v = 0); or None
     normal_map: NDArray[np.uint8] | None = None
     """(H, W, 3) uint8 tangent-space normals, row 0 at the bottom; or None."""
-    roughness: float = 0.8  # with metallic: 0..1 [1]
-    metallic: float = 0.0
+    roughness: float = 0.8  # 0..1 [1]
+    metallic: float = 0.0  # 0..1 [1]
     emission: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     """(3,) light sent out, in the file's unit (cd/m2 in glTF)."""
     two_sided: bool = True  # true if both sides are to be seen
-    mask: NDArray[np.uint8] | None = None
-    """With cutoff: (H, W) opacity, row 0 at the bottom: the surface is not there where it is below the cutoff
-    [codes, 1]."""
-    cutoff: float = 0.5
+    mask: NDArray[np.uint8] | None = None  # (H, W) opacity, row 0 at the bottom [codes]
+    cutoff: float = 0.5  # the surface is not there where the mask is below it [1]
     clamped: tuple[bool, bool] = (False, False)
     """True if the texture ends at its edges along u and v, in place of repeating."""
     unlit: bool = False  # true if its colour was photographed with its light
@@ -60,10 +58,8 @@ class PunctualLight:
     """A light without a surface (KHR_lights_punctual)."""
 
     kind: Literal["point", "spot", "directional"]
-    position: NDArray[np.float64]
-    """With direction: (3,) where it is, and the unit vector along which it shines [the length unit of the
-    file, 1]."""
-    direction: NDArray[np.float64]
+    position: NDArray[np.float64]  # (3,) [the length unit of the file]
+    direction: NDArray[np.float64]  # (3,) unit vector along which it shines
     colour: NDArray[np.float64]  # (3,) linear [1]
     intensity: float  # candela of a point or spot, lux of a directional light [cd, lux]
     outer_rad: float = 0.785  # half angle of a spot's cone [rad]

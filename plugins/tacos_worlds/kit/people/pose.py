@@ -26,10 +26,10 @@ SEATED_THIGH = 0.045
 class Pose:
     """Angles of the joints, left and right, forward positive [deg]."""
 
-    hips: tuple[float, float] = (0.0, 0.0)  # with knees: flexion of each [deg]
-    knees: tuple[float, float] = (3.0, 3.0)
-    shoulders: tuple[float, float] = (3.0, 3.0)  # with elbows: flexion of each [deg]
-    elbows: tuple[float, float] = (12.0, 12.0)
+    hips: tuple[float, float] = (0.0, 0.0)  # flexion [deg]
+    knees: tuple[float, float] = (3.0, 3.0)  # flexion [deg]
+    shoulders: tuple[float, float] = (3.0, 3.0)  # flexion [deg]
+    elbows: tuple[float, float] = (12.0, 12.0)  # flexion [deg]
     arms_aside: float = 7.0  # how far the arms are held off the body [deg]
     lean: float = 0.0  # of the trunk, forward [deg]
     seated: bool = False  # true if the weight rests on a seat

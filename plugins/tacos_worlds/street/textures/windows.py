@@ -13,9 +13,9 @@ from tacos_worlds.street.textures.walls import Canvas, Colour
 class WindowStyle:
     """How the windows of a front look; lengths in cells of the wall."""
 
-    width: float  # with height and sill: of the opening, and its height above the floor [cell]
-    height: float
-    sill: float
+    width: float  # of the opening [cell]
+    height: float  # of the opening [cell]
+    sill: float  # above the floor [cell]
     columns: int
     rows: int
     trim: float  # width of the surround; 0 for none [cell]

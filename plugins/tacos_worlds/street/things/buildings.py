@@ -44,9 +44,8 @@ Parts = list[tuple[Mesh, Finish]]
 class House:
     """What a building of a row is like."""
 
-    width_m: float
-    """With depth_m: its footprint: x from 0 to the width, y from 0 (the street) to the depth [m]."""
-    depth_m: float
+    width_m: float  # x from 0 to the width
+    depth_m: float  # y from 0, the street, to the depth
     floors: int
     floor_m: float  # height of each of them [m]
     kind: int  # index into `FRONTS`; -1 for an office

@@ -37,8 +37,8 @@ _PAINTS = (
 class Body:
     """The shape of a vehicle."""
 
-    length_m: float  # with width_m: outer size [m]
-    width_m: float
+    length_m: float  # outer
+    width_m: float  # outer
     side: tuple[tuple[float, float, float], ...]
     """(position, lowest, highest) of the lower body from the back to the front: position as a share of half
     the length, heights in metres."""
