@@ -22,8 +22,7 @@ class Photographed:
     """The camera of captures, under which pixels and digital numbers are what they are."""
 
     geometry: ImageGeometry
-    """With context: of the capture that stands for all: lengths of motion hold at its exposure, levels at its
-    gain."""
+    """Of the capture that stands for all: lengths of motion hold at its exposure, levels at its gain."""
     context: ImageContext
 
     @classmethod

@@ -76,8 +76,7 @@ class RealCapture:
     noise: Noise
     exposure_stated: bool = True  # whether ``exposure_ms`` was given
     group: str | None = None
-    """With level_uncertainty and expected_frames and board: as in ``captures.yaml``; `expected_frames` 0
-    stands for an expectation without noise."""
+    """As in ``captures.yaml``, like the three below; `expected_frames` 0: an expectation without noise."""
     level_uncertainty: float = 0.0
     expected_frames: int = 0
     board: Board | None = None

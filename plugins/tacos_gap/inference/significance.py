@@ -20,7 +20,7 @@ class BlockTest:
 
     p_values: NDArray[np.float64]  # (M,) of each block alone
     location: float
-    """With spread: of the Gumbel distribution that the largest -log p of all blocks follows in the
+    """Of the Gumbel distribution, as `spread`, that the largest -log p of all blocks follows in the
     simulator's own replicates, each tested against the others."""
     spread: float
 

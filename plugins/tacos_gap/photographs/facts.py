@@ -38,7 +38,7 @@ class Facts:
 
     camera: str = ""
     exposure_ms: float | None = None
-    """With f_number and focal_length_mm and iso: as the camera wrote them [ms, 1, mm, 1]."""
+    """As the camera wrote it, like the three below."""
     f_number: float | None = None
     focal_length_mm: float | None = None
     iso: float | None = None

@@ -29,7 +29,7 @@ class Given:
     """
 
     pixel_um: float | None = None
-    """With focal_length_mm and black_level_dn and bit_depth and cfa: as in ``captures.yaml``."""
+    """As in ``captures.yaml``, like the four below."""
     focal_length_mm: float | None = None
     black_level_dn: float | None = None
     bit_depth: int | None = None

@@ -36,10 +36,9 @@ class Difference:
     """Difference of two devices' pictures."""
 
     ids: float
-    """With depth and luminance: share of the pixels at which they differ: other ids; depth by more than 0.1 %
-    where ids are the same; luminance by more than `LUMINANCE_TOLERANCE` [1]."""
-    depth: float
-    luminance: float
+    """Share of the pixels with other ids [1]."""
+    depth: float  # share where ids are the same and depth differs by more than 0.1 % [1]
+    luminance: float  # share where it differs by more than `LUMINANCE_TOLERANCE` [1]
 
 
 def taken_on(device: str, recipe: Recipe, values: dict[str, Any], frames: int) -> Pictures:

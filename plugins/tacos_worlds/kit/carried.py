@@ -42,11 +42,10 @@ class Shaking:
     """Deviation of the rates about (along) x, y and z of the agent, and the bands they lie in."""
 
     turning_deg_s: tuple[float, float, float]
-    """With turning_hz: about x (roll), y (pitch), z (yaw): standard deviation, and lowest and highest
-    frequency [deg/s, Hz]."""
+    """Standard deviation about x (roll), y (pitch) and z (yaw); then the lowest and highest frequency."""
     turning_hz: tuple[tuple[float, float], tuple[float, float], tuple[float, float]]
     moving_m_s: tuple[float, float, float]
-    """With moving_hz: along x (ahead), y (left), z (up), likewise [m/s, Hz]."""
+    """Along x (ahead), y (left) and z (up), likewise."""
     moving_hz: tuple[float, float]
 
 
