@@ -256,7 +256,7 @@ def size_words(study: StudyData) -> str:
 
 
 def failure_groups(tried: Sequence[Tried]) -> list[FailureGroup]:
-    """Why candidates failed, the most frequent reason first; sentences that differ in numbers are one."""
+    """Reasons why candidates failed, the most frequent first; sentences that differ in numbers are one."""
     counts: Counter[str] = Counter()
     examples: dict[str, str] = {}
     for candidate in tried:

@@ -31,7 +31,7 @@ def study_page(study: StudyData) -> Page:
 
 
 def _header(study: StudyData) -> Iterator[Block]:
-    """What was simulated, the designed camera, the colours of the cameras, what to know before all else."""
+    """Header: the scene, the designed camera, the colours of the cameras, what to know before all else."""
     if conditions := text(study.result.get("conditions")):
         yield Paragraph(conditions)
     if (hero := _hero(study)) is not None:

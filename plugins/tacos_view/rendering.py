@@ -122,7 +122,7 @@ class Rendering:
         return self.first.world_from_camera
 
     def exposed(self, camera: str) -> Exposed:
-        """How the frames of a camera are exposed."""
+        """Exposure of the frames of a camera."""
         return exposed(self.cameras[camera].image, self.black_level_dn, self.white_level_dn)
 
     @property

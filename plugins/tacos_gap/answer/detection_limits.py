@@ -1,4 +1,4 @@
-"""What would have shown: the least value of each effect that these captures could not have hidden.
+"""Detection limits: the least value of each effect that these captures could not have hidden.
 
 Near neutral the residuals change by s^p times what they change at an initial guess, s of the way there. An
 effect is named once a statistic of a capture is significant, for else nothing is looked for, changes by what
@@ -81,7 +81,7 @@ def _limit(probe: _Probe, term: HypothesisTerm) -> float | None:
 
 @dataclass(frozen=True, eq=False)
 class _Probe:
-    """What is simulated of the evidence."""
+    """Simulations of a part of the evidence."""
 
     parts: Sequence[_Part]  # one capture of each kind, and all views of boards
     weight: float  # how many independent numbers one is worth
@@ -114,7 +114,7 @@ class _Probe:
         return cls(chosen, problem.weight)
 
     def size(self, term: HypothesisTerm) -> float:
-        """How much an effect changes, 1 where it would just be named; 0 for one that shows nowhere."""
+        """Size of an effect: 1 where it would just be named, 0 for one that shows nowhere."""
         effects = placed((term,))
         if not effects:
             return 0.0

@@ -126,7 +126,7 @@ def diagnose(
 
 
 def _told(considered: Candidates, captures: Sequence[RealCapture]) -> tuple[ClosedForm, ...]:
-    """What arithmetic tells; nothing of an effect whose closed form fails, which the search then meets."""
+    """Results of arithmetic; nothing of an effect whose closed form fails, which the search then meets."""
     try:
         return closed_forms(considered.effects, captures)
     except Exception as error:
@@ -194,14 +194,14 @@ def _explained(
 
 
 def _not_held_out(held: HeldOut) -> str:
-    """Why the closure of all is not held out from the selection; empty where it is."""
+    """Reason why the closure of all is not held out from the selection; empty where it is."""
     if not held.unseen:
         return ""
     return f"half of the captures does not show {', '.join(sorted(held.unseen))}, and could not choose it"
 
 
 def _cut_short(attribution: Attribution) -> list[str]:
-    """That the search ended early, and how to have it go on; empty where it did not."""
+    """Sentences on a search that ended early, and how to have it go on; empty where it did not."""
     if not attribution.cut_short:
         return []
     return [

@@ -1,4 +1,4 @@
-"""What a diagnosis found, and as what it is written."""
+"""Findings of a diagnosis, and the files they are written as."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class Cause:
 
 @dataclass(frozen=True, eq=False)
 class SoFar:
-    """What is known while a search goes on; `as_data` gives ``so_far.json``.
+    """Knowledge while a search goes on; `as_data` gives ``so_far.json``.
 
     `explanation` is the best one by now, empty before there is any.
     """
@@ -98,7 +98,7 @@ class SoFar:
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
-    """What was found; `as_data` gives ``diagnosis.json``.
+    """Findings of a diagnosis; `as_data` gives ``diagnosis.json``.
 
     `detectable` holds the smallest value of each effect's main parameter that would have shown, `nuisances`
     what each capture's expectation is off by and is no cause. `problem` and `attribution` hold all numbers

@@ -1,4 +1,4 @@
-"""What a diagnosis of one camera says of others: parameters in physical units, and effects for a recipe."""
+"""Transfer to other cameras: parameters in physical units, and effects for a recipe."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def of_specimen(kind: type[Settings], name: str) -> bool:
 
 
 def of_one_specimen(cause: Cause) -> str:
-    """Why settings of a cause are not handed on, in a sentence."""
+    """Reason why settings of a cause are not handed on, in a sentence."""
     names = ", ".join(cause.specimen)
     return f"effect.{cause.effect}, {names}: measured on one specimen, which no other camera has."
 

@@ -1,4 +1,4 @@
-"""Which effects part a simulation from a camera."""
+"""Attribution: the effects that part a simulation from a camera."""
 
 from tacos_gap.attribution.result import Attribution
 from tacos_gap.attribution.rounds import affordable_simulations

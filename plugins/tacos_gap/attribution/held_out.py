@@ -1,4 +1,4 @@
-"""What is held out from the whole selection: its effects and their parameters."""
+"""The whole selection, held out: its effects and their parameters."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class HeldOut:
     """Effects that one fold does not show: it was given them, and they are not held out."""
 
     def why_not(self, effect: str) -> str:
-        """Why an effect of the explanation is not held out from the selection; empty where it is."""
+        """Reason why an effect of the explanation is not held out from the selection; empty where it is."""
         if effect in self.unseen:
             return "half of the captures does not show it, and could not choose it"
         for names in self.chosen:
@@ -36,7 +36,7 @@ class HeldOut:
 
 @dataclass(frozen=True, eq=False)
 class _Prediction:
-    """What one choice leaves of all numbers, its parameters chosen without those held out.
+    """Residuals that one choice leaves of all numbers, its parameters chosen without those held out.
 
     Numbers are chosen by as robust ones, and judged as they are.
     """

@@ -1,4 +1,4 @@
-"""Which effects of an explanation are needed: some plainly, others not once all is fitted to its end."""
+"""Necessity of effects: some are plainly needed, others are not once all is fitted to its end."""
 
 from __future__ import annotations
 

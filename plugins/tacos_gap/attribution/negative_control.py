@@ -1,4 +1,4 @@
-"""What selection alone closes where nothing is to be found."""
+"""Negative control: the closure by selection alone where nothing is to be found."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from tacos_gap.inference.unknown import block_index
 
 @dataclass(frozen=True)
 class NegativeControl:
-    """What selection closes of numbers that mean nothing."""
+    """Closure by selection of numbers that mean nothing."""
 
     effects: int  # how many are chosen, as many as the explanation has
     among: int  # from how many

@@ -1,4 +1,4 @@
-"""What an attribution says: the explanation, and how every rival fares in the place of each effect."""
+"""Attribution: the explanation, and how every rival fares in the place of each effect."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tacos_gap.inference.screening import ScreeningDirections
 
 @dataclass(frozen=True, eq=False)
 class Attribution:
-    """What was found."""
+    """Result of an attribution."""
 
     best: Fitted
     null: Fitted

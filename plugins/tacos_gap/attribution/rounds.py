@@ -71,13 +71,13 @@ Notify = Callable[[str], None]
 
 
 def affordable_simulations(evidence: Sequence[Evidence]) -> int:
-    """How many simulations of all captures are made before no further effect is looked for."""
+    """Number of simulations of all captures made before no further effect is looked for."""
     samples = sum(each.capture.real_dn.size for each in evidence if isinstance(each, ImageEvidence))
     return min(SIMULATIONS, max(LEAST_SIMULATIONS, AFFORDABLE_SAMPLES // max(samples, 1)))
 
 
 class Rounds:
-    """What is known of the effects by now, and one round after another.
+    """Knowledge of the effects by now, and one round after another.
 
     `simulations`: how many of all captures may be made from now on before no further effect is looked for.
     `begun`: effects that selection begins with, where they explain more than nothing does.
@@ -231,7 +231,7 @@ class Rounds:
         return None
 
     def shortlisted(self, base: Fitted, names: Sequence[str], least: float) -> list[HypothesisTerm]:
-        """Where fits of those effects begin that promise most on a base, and `least` at least [nat]."""
+        """Beginnings of fits of those effects that promise most on a base, and `least` at least [nat]."""
         return shortlist(self.problem, self.directions, base, names, count=TRIED, least=least, each=self.each)
 
     def free(self, base: Fitted, among: Collection[str] | None = None) -> list[str]:

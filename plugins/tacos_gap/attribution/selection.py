@@ -1,4 +1,4 @@
-"""Which effects: forward selection with removals, scored on held-out conditions.
+"""Selection of effects: forward with removals, scored on held-out conditions.
 
 Of the effects that were screened only those of the highest screening scores are fitted, round by round.
 Where this ends with much unexplained, it is begun anew: with what differs from frame to frame by chance, and

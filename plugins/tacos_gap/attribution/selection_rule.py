@@ -1,4 +1,4 @@
-"""When one more effect is worth naming."""
+"""Rules for naming one more effect."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def is_worth_it(problem: Problem, base: Fitted, fitted: Fitted) -> bool:
 
 
 def least_gain(problem: Problem, base: Fitted, touched: Sequence[slice] = (slice(None),)) -> float:
-    """What a further effect must gain in log score [nat].
+    """Least gain of a further effect in log score [nat].
 
     What brackets leave unexplained says nothing of what flats prove.
 

@@ -1,4 +1,4 @@
-"""Which effects are fitted: those that to first order gain most, each from its best initial guess."""
+"""Shortlist: the effects that to first order gain most, each from its best initial guess."""
 
 from __future__ import annotations
 

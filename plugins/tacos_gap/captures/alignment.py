@@ -37,7 +37,7 @@ def low_bits_unused(used: int) -> int:
 
 
 def shifted_left(bits: int, unused: int) -> str:
-    """That values of so many bits stand in the upper ones of their files, in a sentence."""
+    """Sentence on values of so many bits that stand in the upper ones of their files."""
     return (
         f"Every value is a multiple of {2**unused}, as where {bits} bits are stored in the upper bits of a "
         f"file: divide by {2**unused}, else these steps are taken for the camera's own quantisation."

@@ -47,7 +47,7 @@ class Board:
 
 @dataclass(frozen=True, eq=False)
 class Objects:
-    """Which object each pixel of a still shows."""
+    """Object that each pixel of a still shows."""
 
     ids: NDArray[np.int32]  # (H, W) int32 index into `classes`; 0 is the background
     classes: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""What a folder of captures cannot tell, however they come out, and what to photograph to know it."""
+"""Limits of a folder of captures, whatever they show, and what to photograph in addition."""
 
 from __future__ import annotations
 

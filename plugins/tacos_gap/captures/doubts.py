@@ -1,4 +1,4 @@
-"""What may be wrong with captures though nothing is for certain: sentences that say what to do."""
+"""Doubts about captures, though nothing is for certain: sentences that say what to do."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def doubt_of_files(name: str, suffixes: Sequence[str]) -> Iterator[str]:
 
 
 def _of_frames(capture: RealCapture) -> Iterator[str]:
-    """That frames of one still differ as pictures of two things do; what moves or adapts is a sequence."""
+    """Sentence on frames of one still that differ as pictures of two things do; what moves is a sequence."""
     told_apart = capture.expected_dn is not None and len(capture.expected_dn) > 1
     if capture.kind in ("board", "sequence") or capture.frames < 2 or told_apart:
         return

@@ -46,7 +46,7 @@ Velocity = Annotated[
 
 
 class CropEntry(Settings):
-    """Where the files sit on the sensor."""
+    """Place of the files on the sensor."""
 
     x: int = setting(0, help="Sensor column of the files' first column.", unit="px", ge=0, le=100_000)
     y: int = setting(0, help="Sensor row of the files' first row.", unit="px", ge=0, le=100_000)
@@ -171,7 +171,7 @@ class ChartEntry(Settings):
 
 
 class ObjectsEntry(Settings):
-    """What a still shows, for tasks that find things."""
+    """Labelled objects of a still, for tasks that find things."""
 
     ids: str = setting(
         help="Image or .npy of whole numbers: the object each pixel shows, 0 for the background, 1 for the "

@@ -1,4 +1,4 @@
-"""What a simulator expects of each capture: files, a number, or a recipe that is rendered."""
+"""Expected values of each capture: files, a number, or a recipe that is rendered."""
 
 from __future__ import annotations
 

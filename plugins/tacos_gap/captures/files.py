@@ -103,7 +103,7 @@ class CaptureFiles:
         return images if read == len(paths) else None
 
     def coding(self, i: int, path: Path) -> FileCoding | None:
-        """How a file that could be read was coded; None where it is no JPEG."""
+        """Coding of a file that could be read; None where it is no JPEG."""
         found = jpeg_coding(path, where=self._document.where(("captures", i, "real")), within=self.folder)
         return None if found is None else FileCoding(*found)
 

@@ -160,7 +160,7 @@ def _shown(capture: RealCapture) -> NDArray[np.float32]:
 
 
 def _where_most_is_shown(profile: NDArray[np.float64], size: int) -> int:
-    """Where a band of so many lines begins: on the grid, the nearest to the middle that shows most."""
+    """Beginning of a band of so many lines: on the grid, the nearest to the middle that shows most."""
     starts = np.arange(0, max(len(profile) - size, 0) + 1, GRID_PX)
     sums = np.concatenate([[0.0], np.cumsum(profile)])
     inside = sums[np.minimum(starts + size, len(profile))] - sums[starts]

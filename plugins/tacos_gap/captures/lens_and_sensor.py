@@ -1,4 +1,4 @@
-"""Where the files of a capture lie on the sensor, and what of the lens is nobody's claim."""
+"""Place of a capture's files on the sensor, and facts of the lens that are not stated."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def moved_filters(cfa: str, columns: int, rows: int) -> str:
 
 
 def geometry_of(camera: CaptureCamera, entry: CaptureEntry | None) -> ImageGeometry:
-    """Where the files of a capture lie on the sensor; those of the camera itself for None.
+    """Place of a capture's files on the sensor; those of the camera itself for None.
 
     Raises ValueError when they do not lie on it.
     """

@@ -1,4 +1,4 @@
-"""What a folder without ``captures.yaml`` holds in its place, and what to type."""
+"""Content of a folder without ``captures.yaml``, and the command to type."""
 
 from __future__ import annotations
 

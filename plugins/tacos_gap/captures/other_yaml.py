@@ -28,7 +28,7 @@ def something_else(path: Path, data: Any) -> Fault | None:
 
 
 def _looks_like(data: Any) -> str:
-    """What a file is by its keys; empty where they are those of captures, or tell nothing."""
+    """Kind of a file by its keys; empty where they are those of captures, or say nothing."""
     if isinstance(data, list):
         effects = data and all(isinstance(each, dict) and "use" in each for each in data)
         return "a list of effects, as --with takes" if effects else "a list"

@@ -1,4 +1,4 @@
-"""What captures cannot tell, and settings that contradict the pictures."""
+"""Limits of captures, and settings that contradict the pictures."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _DIM_DN = 8.0
 
 
 def faults_of(capture: RealCapture) -> Iterator[tuple[str, str, str, str]]:
-    """What cannot be right about a capture: the key at fault, what, what was expected, and what to do."""
+    """Impossible facts about a capture: the key at fault, what, what was expected, and what to do."""
     real, white = capture.real_dn, capture.context.white_level_dn
     if real.max() > white:
         yield (
@@ -59,7 +59,7 @@ def faults_of(capture: RealCapture) -> Iterator[tuple[str, str, str, str]]:
 
 
 def _in_the_units_of_the_files(capture: RealCapture, expected_dn: NDArray[np.float32]) -> str:
-    """What to do about an expectation far from the files: a factor where one may be what is missing."""
+    """Remedy for an expectation far from the files: a factor where one may be missing."""
     black, white = capture.context.black_level_dn, capture.context.white_level_dn
     real, expected = (float(image[:, capture.valid].mean()) for image in (capture.real_dn, expected_dn))
     if real - black < _DIM_DN:

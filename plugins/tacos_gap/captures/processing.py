@@ -58,7 +58,7 @@ def _smoothing(capture: RealCapture) -> float | None:
 
 
 def _overshoot(capture: RealCapture) -> float | None:
-    """How far a straight edge overshoots on both sides, over its contrast, where that is more than noise."""
+    """Overshoot of a straight edge on both sides over its contrast, where that is more than noise."""
     if capture.kind != "edge":
         return None
     mean = capture.real_dn.mean(axis=0)

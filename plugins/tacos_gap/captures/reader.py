@@ -52,7 +52,7 @@ def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFo
 
 
 def read_entries(folder: str | Path) -> tuple[Path, Document, FolderEntry]:
-    """What ``captures.yaml`` says, its files not yet opened; its path, and the lines it stands in.
+    """Entries of ``captures.yaml``, its files not yet opened; its path, and the lines it stands in.
 
     Raises UserError when it is not there, or has entries that are wrong, with line and column.
     """

@@ -1,4 +1,4 @@
-"""What blurred edges would be if nothing blurred them: the expectation of captures that have none."""
+"""Sharp edges in place of blurred ones: the expectation of captures that have none."""
 
 from __future__ import annotations
 

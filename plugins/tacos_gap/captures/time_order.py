@@ -59,7 +59,7 @@ def time_doubts(captures: Sequence[RealCapture]) -> Iterator[str]:
 
 
 def _least_duration_s(capture: RealCapture) -> float:
-    """What its frames take at least; 0 where nobody stated an exposure time [s]."""
+    """Least duration of its frames; 0 where no exposure time is stated [s]."""
     if not capture.exposure_stated:
         return 0.0
     exposure_s = capture.context.exposure_s

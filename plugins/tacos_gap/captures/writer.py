@@ -134,7 +134,7 @@ def _camera_entry(capture: RealCapture, shared: Mapping[str, Any]) -> dict[str, 
 
 
 def _shared_by_all(capture: RealCapture) -> dict[str, Any]:
-    """What all captures of a camera share; centre and filters those of the full sensor."""
+    """Facts that all captures of a camera share; centre and filters those of the full sensor."""
     geometry, context = capture.geometry, capture.context
     white = float(context.white_level_dn)
     bits = max(1, math.ceil(math.log2(white + 1)))

@@ -1,4 +1,4 @@
-"""What every kind of evidence answers: a capture with expected values, or the views of a board."""
+"""Contract of every kind of evidence: a capture with expected values, or the views of a board."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ N_NULL_REPLICATES = 16
 
 @dataclass(frozen=True)
 class Label:
-    """What one number of the evidence is."""
+    """Meaning of one number of the evidence."""
 
     capture: str
     kind: str
@@ -36,7 +36,7 @@ class ReplicateResiduals:
 
 
 class Evidence(Protocol):
-    """What one or several captures say of a hypothesis."""
+    """Evidence of one or several captures on a hypothesis."""
 
     @property
     def labels(self) -> Sequence[Label]: ...

@@ -93,7 +93,7 @@ class ImageEvidence:
         return self._taken.left_out
 
     def nuisances(self, effects: Sequence[PlacedEffect]) -> dict[str, Any]:
-        """What the expectation is off by beside effects, as in ``diagnosis.json``; empty if nothing is."""
+        """Offsets of the expectation beside effects, as in ``diagnosis.json``; empty if there are none."""
         if not self._freedoms:
             return {}
         return stated(self._freedoms, self._marginal.most_likely(self._difference(effects)))
@@ -184,7 +184,7 @@ class ImageEvidence:
         return nearer._at(np.where([f.name in shares for f in self._freedoms], 0.0, self._nu))
 
     def pose(self, effects: Sequence[PlacedEffect]) -> dict[str, float] | None:
-        """What its pose is off by beside effects, by term [standard deviations]; None where it has none."""
+        """Offset of its pose beside effects, by term [standard deviations]; None where it has none."""
         names = [freedom.name for freedom in self._freedoms]
         if POSE_TERMS[0] not in names:
             return None
@@ -219,7 +219,7 @@ class ImageEvidence:
         return self._there.marginal(self._freedoms, self._simulated_marginal)
 
     def _simulated_marginal(self) -> Marginal:
-        """How the numbers move with the nuisances, by simulations with the noise of the first draw."""
+        """Derivatives of the numbers by the nuisances, by simulations with the noise of the first draw."""
         here = self._base_draw(0) if self._freedoms else self._base
         share = self._simulations.noise_share
         directions = []

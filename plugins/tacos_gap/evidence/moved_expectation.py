@@ -1,4 +1,4 @@
-"""What a capture gives with its expectation moved by nuisances, worked out once for each.
+"""A capture with its expectation moved by nuisances, worked out once for each.
 
 A search comes back to nuisances it has been at: those that were settled on are tried again beside no effect,
 and go back to nothing where all captures agree on them.
@@ -29,7 +29,7 @@ class MovedExpectation:
     _marginals: dict[tuple[float, ...], Marginal] = field(default_factory=dict, repr=False)
 
     def marginal(self, freedoms: Sequence[Freedom], make: Callable[[], Marginal]) -> Marginal:
-        """How the numbers move with nuisances of these priors; made where it is not known."""
+        """Derivatives of the numbers by nuisances of these priors; made where they are not known."""
         sigmas = tuple(freedom.sigma for freedom in freedoms)
         if sigmas not in self._marginals:
             self._marginals[sigmas] = make()

@@ -1,4 +1,4 @@
-"""What captures cannot tell apart by their nature, as effects declare it, and the capture that would."""
+"""Effects that captures cannot tell apart, as effects declare it, and the capture that would."""
 
 from __future__ import annotations
 

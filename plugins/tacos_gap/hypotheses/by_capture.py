@@ -72,7 +72,7 @@ def captures_with_values(values: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def penalty(names: Sequence[str]) -> float:
-    """What parameters must gain beyond one value of each setting [nat].
+    """Gain that parameters need beyond one value of each setting [nat].
 
     >>> penalty(["radius_px@a", "radius_px@b", "radius_px@c", "growth"])
     4.0

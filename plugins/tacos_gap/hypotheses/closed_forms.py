@@ -1,4 +1,4 @@
-"""What captures tell by arithmetic alone: which effects are surely there, and which surely are not.
+"""Closed forms: effects that are surely there, and those that surely are not, by arithmetic alone.
 
 A search begins with the first and leaves the others out; see `EffectBase.estimate_from`.
 """
@@ -16,7 +16,7 @@ from tacos_gap.hypotheses.parameters import HypothesisTerm, initial_guesses_of
 
 @dataclass(frozen=True)
 class ClosedForm:
-    """What captures tell of a parameter of an effect."""
+    """Value of a parameter of an effect by arithmetic."""
 
     effect: str  # name, without ``effect.``
     estimate: Estimate

@@ -1,4 +1,4 @@
-"""How effects are called in sentences."""
+"""Names of effects in sentences."""
 
 from __future__ import annotations
 

@@ -104,12 +104,12 @@ def _neutral_of(name: str, neutral: Mapping[str, Any]) -> float | None:
 
 
 def neutral_value(cls: type[Any], name: str) -> float | None:
-    """Where a free parameter of an effect does nothing; None where there is no such value by itself."""
+    """Neutral value of a free parameter of an effect; None where there is no such value by itself."""
     return _neutral_of(name, cls.neutral)
 
 
 def initial_guesses_for(name: str, cls: type[Any], captures: Sequence[RealCapture]) -> list[HypothesisTerm]:
-    """Where the search for an effect begins: at what its class guesses from captures, and in general."""
+    """Initial guesses of the search for an effect: those of its class from captures, and in general."""
     suggested: list[Mapping[str, Any]] = []
     with calling(f"effect.{name}", doing="guesses_from"):
         if callable(guess := optional(cls, EffectBase, "guesses_from")):

@@ -28,7 +28,7 @@ Plane = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Detail:
-    """What one frame shows."""
+    """Detail of one frame."""
 
     seen: float  # logarithm of its detail over that of the shorter exposure, the median of tiles [1]
     error: float  # standard error of that [1]

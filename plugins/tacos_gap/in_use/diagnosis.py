@@ -28,7 +28,7 @@ _SHORTER = 4.0
 
 @dataclass(frozen=True, eq=False)
 class InUse:
-    """What a recording tells of its camera."""
+    """Diagnosis of a camera from a recording."""
 
     response: Response  # from codes to light, as the exposures have it
     response_error: NDArray[np.float64]
@@ -85,7 +85,7 @@ def is_recording(folder: str | Path) -> bool:
 
 
 def diagnose_recording(folder: str | Path, progress: Progress) -> InUse:
-    """What the frames of a moving camera tell of it; a response that the folder states is not looked at.
+    """Response and motion by the frames of a moving camera; a response that the folder states is ignored.
 
     Raises UserError with all that is wrong with the folder.
     """

@@ -1,4 +1,4 @@
-"""How much of the motion of the image is in the blur of an exposure."""
+"""Share of the motion of the image in the blur of an exposure."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""How well hypotheses explain the evidence, and with which parameters."""
+"""Fit of hypotheses to the evidence, and their parameters."""

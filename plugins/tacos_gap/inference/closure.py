@@ -1,4 +1,4 @@
-"""How far the gap shrinks: each effect alone, all together, and each one's share."""
+"""Closure of the gap: by each effect alone, all together, and each one's share."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class Share:
 
 @dataclass(frozen=True)
 class Closures:
-    """How far an explanation shrinks the gap, its parameters held out."""
+    """Closures of the gap by an explanation, its parameters held out."""
 
     together: Share  # by all effects
     fair: Mapping[str, Share]  # by each, as its fair share of that (Shapley 1953); they add up to `together`

@@ -109,7 +109,7 @@ def settled(problem: Problem, fitted: Fitted) -> Fitted:
 
 @dataclass(frozen=True, eq=False)
 class _State:
-    """Where a search stands, how far it may move, and whether its Jacobian is that of the place."""
+    """State of a search: its place, its reach, and whether its Jacobian is that of the place."""
 
     hypothesis: Hypothesis
     z: NDArray[np.float64]
@@ -192,7 +192,7 @@ def _first_move(state: _State) -> NDArray[np.float64]:
 
 
 def _promised(state: _State, move: NDArray[np.float64]) -> float:
-    """What a step gains if the Jacobian is right: where that is nothing, it needs no simulation."""
+    """Gain of a step if the Jacobian is right: where that is nothing, it needs no simulation."""
     straight = robust(state.z)
     return float(np.sum(straight**2) - np.sum((straight + state.jacobian @ move) ** 2))
 

@@ -1,4 +1,4 @@
-"""How well the captures settle the parameters of an explanation.
+"""Intervals of the parameters of an explanation.
 
 Three things move an estimate above all: the noise of the captures and of the simulations they are compared
 with, which the hypothesis' own replicates show; formulas that are not quite the camera's, which show where
@@ -49,7 +49,7 @@ def half_widths(problem: Problem, fitted: Fitted, confidence: float = 0.9) -> ND
 
 @dataclass(frozen=True, eq=False)
 class EveryParameter:
-    """What is known of all parameters of an explanation, those put back to neutral among them."""
+    """All parameters of an explanation, those put back to neutral among them."""
 
     hypothesis: Hypothesis  # the explanation with all of them free
     half_width: NDArray[np.float64]  # (P,) half of each one's interval, in the parameters' units
@@ -130,7 +130,7 @@ def unseen_variance(
 
 
 def _in_all_captures(problem: Problem) -> list[NDArray[np.int64]]:
-    """Where the numbers of each statistic stand, in all captures: a formula is wrong in all alike."""
+    """Numbers of each statistic in all captures: a formula is wrong in all alike."""
     names = np.array([label.statistic for label in problem.labels])
     return [np.flatnonzero(names == name) for name in dict.fromkeys(names.tolist())]
 
@@ -183,7 +183,7 @@ def _all_free(term: HypothesisTerm) -> HypothesisTerm:
 
 
 def _kept(narrow: Hypothesis, wide: Hypothesis) -> list[int]:
-    """Which parameters of the wider hypothesis are free in the narrower one, in its order."""
+    """Parameters of the wider hypothesis that are free in the narrower one, in its order."""
     start, found = 0, []
     for few, many in zip(narrow, wide, strict=True):
         names = list(many.free)

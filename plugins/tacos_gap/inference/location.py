@@ -1,4 +1,4 @@
-"""Where the gap lies: statistics that are significant, at a controlled rate of false discoveries."""
+"""Location of the gap: statistics that are significant, at a controlled rate of false discoveries."""
 
 from __future__ import annotations
 

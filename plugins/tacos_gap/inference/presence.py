@@ -13,7 +13,7 @@ from tacos_gap.inference.unknown import SLACK, block_index
 
 @dataclass(frozen=True)
 class Proof:
-    """Which shares of the squared gap prove an effect."""
+    """Shares of the squared gap that prove an effect."""
 
     mimicked: float  # up to this share something else could look so
     proven: float  # from this one on nothing would, whatever is left elsewhere

@@ -47,7 +47,7 @@ def robust(z: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def robust_derivative(z: NDArray[np.float64]) -> NDArray[np.float64]:
-    """How much robust residuals move per unit of residual: the derivative of `robust`."""
+    """Derivative of `robust`."""
     return np.asarray(1 / np.sqrt(1 + (z / ROBUST_SCALE) ** 2))
 
 
@@ -108,14 +108,14 @@ def _are_close(shares: dict[str, float], others: dict[str, float]) -> bool:
 
 @dataclass
 class Tally:
-    """How many simulations of all captures were made, of a problem and of all that were made of it."""
+    """Number of simulations of all captures, of a problem and of all that were made of it."""
 
     simulations: int = 0
 
 
 @dataclass(frozen=True)
 class Slot:
-    """Where the numbers of a capture stand in the whole."""
+    """Place of a capture's numbers in the whole."""
 
     start: int
     stop: int
@@ -213,7 +213,7 @@ class Problem:
 
     @cached_property
     def weight(self) -> float:
-        """How many independent numbers one of these is worth, as they vary together (Satterthwaite)."""
+        """Number of independent numbers that one of these is worth, as they vary together (Satterthwaite)."""
         squares = (robust(self.null_replicates) ** 2).sum(axis=1)
         least = LEAST_FLOOR**2 * len(self.labels)  # of numbers with hardly a noise floor, as if independent
         mean, spread = squares.mean() + least, squares.var(ddof=1) + 2 * LEAST_FLOOR**2 * least

@@ -1,4 +1,4 @@
-"""How sure it is that one effect predicts better than another: a score difference and its standard error."""
+"""Certainty that one effect predicts better than another: a score difference and its standard error."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def discrepancy(problem: Problem, base: Fitted, share: float) -> NDArray[np.floa
 
 
 def gain_beyond(problem: Problem, base: Fitted, fitted: Fitted, allowed: NDArray[np.float64]) -> float:
-    """What a fit gains over another in log score, in each block beyond an allowance of (B,) squares [nat]."""
+    """Gain of a fit over another in log score, in each block beyond an allowance of (B,) squares [nat]."""
     blocks = block_index(problem)
     gain = np.bincount(blocks, robust(base.held_out) ** 2 - robust(fitted.held_out) ** 2, len(allowed))
     return 0.5 * problem.weight * float(np.sum(np.sign(gain) * np.maximum(np.abs(gain) - allowed, 0.0)))

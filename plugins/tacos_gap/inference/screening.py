@@ -66,7 +66,7 @@ def in_units(directions: ScreeningDirections, factor: NDArray[np.float64]) -> Sc
 
 
 def screening_score(directions: Sequence[ScreeningDirection], base: NDArray[np.float64]) -> ScreeningScore:
-    """What an effect could gain on top of (K,) residuals.
+    """Gain of an effect on top of (K,) residuals.
 
     Each direction is scaled by itself; directions of one parameter each are also combined, and a fit
     that begins at one of them has them all free.

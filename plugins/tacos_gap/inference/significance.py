@@ -1,4 +1,4 @@
-"""How seldom the simulator differs from itself as much as it does from the camera, block by block."""
+"""Significance: how seldom the simulator differs from itself as much as from the camera, block by block."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ IN_PART = 2.0
 
 @dataclass(frozen=True)
 class Unexplained:
-    """What is left."""
+    """The rest that no effect explains."""
 
     score: float
     """From 0 to 1, that an effect outside the catalogue is at work: no probability, but a ramp between the
@@ -158,7 +158,7 @@ def _share_left(
 
 @dataclass(frozen=True, eq=False)
 class _PartwiseDoubt:
-    """How much says that something unknown shows in a part of the numbers."""
+    """Score that something unknown shows in a part of the numbers."""
 
     z: NDArray[np.float64]
     null: NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""What an expectation is uncertain in, capture by capture, and nobody's error: its light, pose and focus."""
+"""Nuisances of an expectation, capture by capture: its light, pose and focus."""
 
 from tacos_gap.nuisances.agreement import shares_of_priors
 from tacos_gap.nuisances.beyond_stated import light_beyond_stated

@@ -1,4 +1,4 @@
-"""How far captures disagree about the camera's pose: what all of them share is no nuisance of each."""
+"""Disagreement of captures about the camera's pose: what all of them share is no nuisance of each."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _ALIKE = (POSE_TERMS[:2], POSE_TERMS[2:3], POSE_TERMS[3:4], POSE_TERMS[4:])  # x
 
 
 def shares_of_priors(poses: Sequence[Mapping[str, float]], groups: Sequence[str]) -> dict[str, float]:
-    """How far each term of pose is off from capture to capture, over what its prior allows.
+    """Scatter of each term of pose from capture to capture, over what its prior allows.
 
     Poses that are off capture by capture scatter as their prior says. Where they hardly do, the prior is too
     wide, and what they have in common is for an effect to explain: a camera that is turned, say. The scatter

@@ -1,4 +1,4 @@
-"""Which nuisances a capture has, and how far each may be off before it is news.
+"""Nuisances of a capture, and the priors of each.
 
 Light is free within the stated ``level_uncertainty`` alone: who states none claims to know her lamp. Pose and
 focus of a structured picture are never known exactly, so each of them has a prior of its own.

@@ -1,4 +1,4 @@
-"""How a picture is shifted, turned and magnified against its expectation, from the pictures themselves."""
+"""Registration: shift, turn and magnification of a picture against its expectation, from the pictures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the files of a camera say of it together, and what nobody said."""
+"""The camera by all of its files together, and what they do not say."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ scatters by .02 over the 3,072 parts of a thumbnail."""
 
 @dataclass(frozen=True)
 class Evidence:
-    """What speaks for the cap, or against it. `for_cap`: logarithm of the odds [nat]."""
+    """Evidence for the cap, or against it. `for_cap`: logarithm of the odds [nat]."""
 
     for_cap: float
     words: str

@@ -117,7 +117,7 @@ def _layouts(most: int, dictionary: str) -> Iterator[Layout]:
 
 
 def _fit(layout: Layout, markers: Markers) -> tuple[float, float]:
-    """How far markers stand from where a layout puts them, over their side; that side over a square's."""
+    """Distance of markers from where a layout puts them, over their side; that side over a square's."""
     places = np.asarray(layout.board().getObjPoints(), np.float64)[:, :, :2]
     ids = [i for i in markers.corners_px if i < len(places)]
     if len(ids) < FEWEST_MARKERS or len(ids) < len(markers.corners_px):

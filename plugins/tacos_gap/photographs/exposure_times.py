@@ -79,7 +79,7 @@ def _in_ms(
     doubts: list[str],
     guesses: list[Guess],
 ) -> Callable[[Row], float | None] | None:
-    """What the numbers of a table are in milliseconds; None where it lists something else."""
+    """Numbers of a table in milliseconds; None where it lists something else."""
     timed = {path: row for path, row in rows.items() if row.time is not None}
     numbers = [float(row.time or 0.0) for row in timed.values()]
     name = table.path.name

@@ -1,4 +1,4 @@
-"""What the file of a photograph says of how it was taken."""
+"""Facts of the file of a photograph."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Facts:
 
 
 def read_facts(path: Path) -> Facts:
-    """What a file says of itself: EXIF, the header of a RAW file, at last its name.
+    """Facts of a file: EXIF, the header of a RAW file, at last its name.
 
     Raises UserError when it cannot be read.
     """
@@ -73,7 +73,7 @@ def read_facts(path: Path) -> Facts:
 
 
 def _of_exif(path: Path, raw_size_px: tuple[int, int] | None) -> dict[str, Any]:
-    """What EXIF says; nothing of a file that has none, or of which it cannot be read.
+    """Facts by EXIF; nothing of a file that has none, or of which it cannot be read.
 
     Of a RAW file the first image may be a preview, whose size says nothing of the pixels of the sensor.
     """

@@ -1,4 +1,4 @@
-"""What parts a simulation from a real camera: where, why, and what closes the gap."""
+"""Diagnosis: where a simulation parts from a real camera, why, and what closes the gap."""
 
 from __future__ import annotations
 
@@ -249,7 +249,7 @@ def _valued(name: str, parameter: Parameter) -> str:
 
 
 def _named_rest(diagnosis: Diagnosis, traces: Sequence[str], captures: Sequence[RealCapture]) -> list[str]:
-    """What the captures show of what remains, though no effect of the catalogue makes it, in sentences."""
+    """Sentences on what remains and the captures show, though no effect of the catalogue makes it."""
     if diagnosis.verdict not in ("unknown", "partly_explained"):
         return []
     if traces:
@@ -264,7 +264,7 @@ def summary(
     shown_from: Mapping[str, str] | None = None,
     rest: Sequence[str] = (),
 ) -> str:
-    """What was found, in a few lines.
+    """Findings in a few lines.
 
     `shown_from`: what would have shown, by effect, for a diagnosis without a gap. `rest`: what remains, in
     sentences.

@@ -1,4 +1,4 @@
-"""What is known while a diagnosis goes on: on the terminal, and in a file that a stop leaves behind."""
+"""Knowledge while a diagnosis goes on: on the terminal, and in a file that a stop leaves behind."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class KeptSoFar:
 
 
 def first_sight(found: Sequence[ClosedForm]) -> str:
-    """What arithmetic tells, in a sentence: what is there, what is not, and what only a search can tell."""
+    """Sentence on the results of arithmetic: what is there, what is not, and what only a search can tell."""
     parts = []
     if seen := [form for form in found if form.says == "seen"]:
         parts.append(", ".join(f"{effect_words(form.effect)} {_valued(form)}" for form in seen))

@@ -1,4 +1,4 @@
-"""Which drawings a diagnosis calls for: those of the statistics that are significant."""
+"""Drawings of the statistics that are significant."""
 
 from __future__ import annotations
 

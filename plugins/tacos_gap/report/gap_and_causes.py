@@ -1,4 +1,4 @@
-"""Where the gap lies and what causes it: two sections of the report that share the drawings of statistics."""
+"""Location and causes of the gap: two sections of the report that share the drawings of statistics."""
 
 from __future__ import annotations
 

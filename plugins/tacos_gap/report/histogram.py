@@ -1,4 +1,4 @@
-"""How often each code occurs in a capture: real, before, after."""
+"""Frequency of each code in a capture: real, before, after."""
 
 from __future__ import annotations
 

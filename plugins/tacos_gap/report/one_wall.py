@@ -1,4 +1,4 @@
-"""That walls taken one way up cannot tell the shading of a lens from that of a lamp."""
+"""Sentence on walls taken one way up, which cannot tell the shading of a lens from that of a lamp."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ MOST_SCORES = 3
 
 @dataclass(frozen=True)
 class Circumstances:
-    """How a diagnosis was run, for who wants to repeat it."""
+    """Circumstances of a run, for who wants to repeat it."""
 
     seed: int
     command: str

@@ -1,4 +1,4 @@
-"""What was photographed, what that can tell, and what it takes to tell the rest."""
+"""Captures that were photographed, what they can tell, and what it takes to tell the rest."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def small_picture(frame: NDArray[Any], black_dn: float, white_dn: float) -> NDAr
 def not_told(
     captures: Sequence[RealCapture], effects: Mapping[str, type[Any]], diagnosis: Diagnosis
 ) -> Iterator[Block]:
-    """What it takes to tell the effects these captures are blind to, and how small the others may be."""
+    """Captures needed to tell the effects these are blind to, and how small the others may be."""
     yield from effects_not_shown(captures, effects)
     if limits := diagnosis.detectable:
         yield Paragraph(
@@ -106,7 +106,7 @@ def effects_not_shown(captures: Sequence[RealCapture], effects: Mapping[str, typ
 
 
 def nuisance_rows(nuisances: Mapping[str, Mapping[str, Any]]) -> tuple[tuple[str, str], ...]:
-    """What the expectation of each capture was off by that is nobody's error; equal ones share a row.
+    """Offsets of each capture's expectation by nuisances; equal ones share a row.
 
     >>> nuisance_rows({"flat_03": {"gain": 1.02, "shift_px": [0.31, -0.12]}})
     (('flat_03', 'gain 1.02, shift 0.31 \u22120.12 px'),)

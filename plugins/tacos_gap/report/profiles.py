@@ -108,7 +108,7 @@ def _curves(numbers: Numbers, kind: Over, view: StatisticView) -> list[ProfileCu
 
 
 def _line(label: Label, kind: Over) -> str:
-    """Which line of its panel a number belongs to: levels within a scene are not those of even fields."""
+    """Line of its panel that a number belongs to: levels within a scene are not those of even fields."""
     return label.capture if kind == "level" and label.kind not in _EVEN else ""
 
 

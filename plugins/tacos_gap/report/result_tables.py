@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class DiagnosisResult:
-    """What a diagnosis found, as tables.
+    """Findings of a diagnosis, as tables.
 
     `causes` and `where` give data frames of pandas (the extra ``frames``); `rows` gives plain values.
 
@@ -56,7 +56,7 @@ class DiagnosisResult:
 
 
 def read_diagnosis(folder: str | Path) -> DiagnosisResult:
-    """What a diagnosis found, from its results folder.
+    """Findings of a diagnosis, from its results folder.
 
     Raises
     ------

@@ -25,7 +25,7 @@ BAND: dict[str, Any] = {"color": RULE, "alpha": 0.75, "linewidth": 0}
 
 
 def legend(figure: Figure, before: str, after: str | None) -> None:
-    """What the marks are, above the drawing; `after` is None where nothing was added."""
+    """Legend above the drawing; `after` is None where nothing was added."""
     handles = [Line2D([], [], **{"markeredgewidth": 0.5, **REAL_DOTS})]
     names = ["real"]
     handles.append(Line2D([], [], **BEFORE_LINE))

@@ -1,4 +1,4 @@
-"""What a gap does to tasks, in sentences and rows."""
+"""Effect of a gap on tasks, in sentences and rows."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def hidden(found: Found) -> bool:
 
 
 def sentence(name: str, found: Found) -> str:
-    """How far a score is off, and how far the causes bring it.
+    """Distance of a score from reality, and how far the causes bring it.
 
     >>> ci = {"real": [165, 177], "sim_before": [220, 228], "sim_after": [170, 182]}
     >>> found = {"real": 171, "sim_before": 224, "sim_after": 176, "ci": ci}

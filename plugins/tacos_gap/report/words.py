@@ -100,7 +100,7 @@ def _interval_after(name: str, parameter: Parameter) -> str:
 
 
 def picture_remainder(rms_dn: Sequence[float], noise_dn: float, *, explained: bool = True) -> str:
-    """What pictures still differ by, and how much of that noise alone would leave.
+    """Difference that pictures still have, and how much of that noise alone would leave.
 
     >>> picture_remainder([6.02], 1.25)[:44]
     'The means differ by 6 DN (root mean square);'
@@ -228,7 +228,7 @@ def first_of(names: Sequence[str]) -> str:
 
 
 def of_many(text: str) -> str:
-    """What is said of one capture, said of several.
+    """A sentence on one capture, said of several.
 
     >>> of_many("its mask leaves no pixel; it is left out.")
     'their mask leaves no pixel; they are left out.'
@@ -237,7 +237,7 @@ def of_many(text: str) -> str:
 
 
 def of_this_camera(causes: Sequence[Cause]) -> str:
-    """Which parameters are handed on in pixels or file values of the captured camera; empty where none is."""
+    """Parameters handed on in pixels or file values of the captured camera; empty where none is."""
     found = [f"{effect_words(cause.effect)} ({name})" for cause in causes for name in added(cause).bound]
     if not found:
         return ""

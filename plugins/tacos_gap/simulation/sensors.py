@@ -109,7 +109,7 @@ def camera_of(capture: RealCapture) -> Camera:
 
 
 def exposure_of(capture: RealCapture) -> Exposure:
-    """How long a capture was exposed, with which gain; nothing of it depends on an unknown f-number."""
+    """Exposure of a capture; nothing of it depends on an unknown f-number."""
     context = capture.context
     known = {} if context.f_number is None else {"f_number": context.f_number}
     return Exposure(time_s=context.exposure_s, gain_db=context.gain_db, **known)

@@ -1,4 +1,4 @@
-"""What images are compared by: numbers that mean something, family by family.
+"""Statistics that images are compared by, family by family.
 
 A family is a function from a `Sample` to blocks of numbers. Adding one to `FAMILIES` is all it takes.
 """

@@ -57,7 +57,7 @@ def blemish_statistics(sample: Sample) -> Iterator[StatisticBlock]:
 
 @dataclass(frozen=True, eq=False)
 class _Looked:
-    """Where blemishes of a size are looked for."""
+    """Cells where blemishes of a size are looked for."""
 
     size_px: tuple[int, int]  # what is wider than the one and narrower than the other
     around: tuple[NDArray[np.float32], NDArray[np.float32]]
@@ -67,7 +67,7 @@ class _Looked:
 
     @classmethod
     def of(cls, whole: NDArray[np.float32], size_px: tuple[int, int]) -> _Looked:
-        """Where (h, w, 1) cells are `whole`."""
+        """Of (h, w, 1) cells that are `whole`."""
         finer, coarser = (np.maximum(_mean_around(whole, size), 1e-6) for size in size_px)
         counted = _counted(whole, size_px[1])
         return cls(size_px, (finer, coarser), counted[..., None].astype(np.float32), np.flatnonzero(counted))

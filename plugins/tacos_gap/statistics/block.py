@@ -1,4 +1,4 @@
-"""What goes into a family of statistics, and what comes out."""
+"""Input and output of a family of statistics."""
 
 from __future__ import annotations
 

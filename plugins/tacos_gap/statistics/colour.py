@@ -1,4 +1,4 @@
-"""How channels mix: the matrix from expected to real colours, and patches of a chart."""
+"""Mixing of channels: the matrix from expected to real colours, and patches of a chart."""
 
 from __future__ import annotations
 

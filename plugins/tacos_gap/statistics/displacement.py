@@ -1,4 +1,4 @@
-"""Where things appear against where they are expected, per channel.
+"""Displacement of things against where they are expected, per channel.
 
 Dense flow finds large displacements, but jumps as noise and shape have it: a picture moved by a fiftieth of a
 pixel by an effect and by a nuisance gave numbers 60 % apart. So flow is where least squares begin, whose end

@@ -31,7 +31,7 @@ def _in_cells(image: NDArray[np.float32]) -> NDArray[np.float32]:
 
 @dataclass(frozen=True, eq=False)
 class EvenCells:
-    """What of a capture is even, in cells of `CELL_PX`."""
+    """Even part of a capture, in cells of `CELL_PX`."""
 
     whole: NDArray[np.float32]  # (h, w, 1) 1 of cells that are even as a whole, else 0
     smooth: NDArray[np.float32]  # (h w, T) terms of smooth light in those cells

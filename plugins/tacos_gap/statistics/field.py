@@ -1,4 +1,4 @@
-"""How level and noise vary over the image."""
+"""Level and noise over the image."""
 
 from __future__ import annotations
 

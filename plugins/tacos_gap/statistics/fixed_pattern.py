@@ -1,4 +1,4 @@
-"""What repeats from frame to frame and is not in the scene: patterns of the sensor."""
+"""Fixed patterns of the sensor: what repeats from frame to frame and is not in the scene."""
 
 from __future__ import annotations
 

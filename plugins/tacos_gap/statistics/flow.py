@@ -72,7 +72,7 @@ _STRETCHED: WeakKeyDictionary[RealCapture, dict[int, tuple[NDArray[np.float32], 
 
 
 def _stretched_expectation(sample: Sample, channel: int) -> NDArray[np.uint8]:
-    """What frames are compared with, worked out once as long as it is the same array."""
+    """Reference of frames, worked out once as long as it is the same array."""
     known = _STRETCHED.setdefault(sample.capture, {})
     if channel not in known or known[channel][0] is not sample.expected:
         known[channel] = sample.expected, _stretched(sample.expected[0][..., channel])

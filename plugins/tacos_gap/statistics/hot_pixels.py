@@ -23,7 +23,7 @@ _MODEL = 0.2
 
 
 def hot_pixel_statistics(sample: Sample) -> Iterator[StatisticBlock]:
-    """How many pixels stand above some heights in every frame of a dark, over what goes unnoticed.
+    """Number of pixels above some heights in every frame of a dark, over what goes unnoticed.
 
     In files without a pedestal, which clip half of the noise and round off the rest, bright pixels are all
     that there is to see. Heights follow from the simulator's noise, so that its own pixels seldom count. What

@@ -1,4 +1,4 @@
-"""What single frames add to their mean, compiled; imported late, as numba takes a while."""
+"""Differences of single frames from their mean, compiled; imported late, as numba takes a while."""
 
 from __future__ import annotations
 

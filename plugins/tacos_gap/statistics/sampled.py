@@ -1,4 +1,4 @@
-"""Which pixels stand for all: what is the same everywhere need not be measured everywhere.
+"""Sampling of pixels: what is the same everywhere need not be measured everywhere.
 
 Noise, codes and codecs are looked at in so many samples that chance is well below the equivalence margin of
 their statistics; levels, patterns and detail, which differ from place to place, are measured in all pixels.

@@ -1,4 +1,4 @@
-"""What cannot be measured in a capture, and why, in sentences."""
+"""Statistics that cannot be measured in a capture, and why, in sentences."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tacos_gap.statistics.sharpness import LEAST_TILE_PX, has_detail
 
 
 def nothing_seen(capture: RealCapture) -> str | None:
-    """Why nothing at all can be measured in a capture; None where something can."""
+    """Reason why nothing at all can be measured in a capture; None where something can."""
     height, width = capture.valid.shape
     if min(height, width) < LEAST_SIDE_PX:
         return (

@@ -1,4 +1,4 @@
-"""How each statistic is drawn: over what, in which unit, under which title."""
+"""Views of statistics: over what, in which unit, under which title."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def _contrast(log_power: NDArray[np.float64]) -> NDArray[np.float64]:
 
 @dataclass(frozen=True)
 class StatisticView:
-    """How a statistic is drawn."""
+    """View of a statistic in a drawing."""
 
     title: str
     quantity: str  # what is on the vertical axis, with its unit

@@ -1,4 +1,4 @@
-"""What a gap does to perception tasks: scores on real frames, and on simulated ones before and after."""
+"""Effect of a gap on perception tasks: scores on real frames, and on simulated ones before and after."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ class TruthMissing(RuntimeError):
 
 @dataclass(frozen=True, eq=False)
 class CapturedView(View):
-    """What a real camera faced; reading what nobody knows of it raises `TruthMissing`."""
+    """View of a real camera; reading what is unknown raises `TruthMissing`."""
 
     unknown: frozenset[str] = frozenset()
     """Arrays of the view that hold nothing. They are hidden once the frames are put together, as their shapes

@@ -44,7 +44,7 @@ class CaptureScores:
 
 @dataclass(frozen=True)
 class ScoredTasks:
-    """What tasks scored, and why some could not."""
+    """Scores of tasks, and the reasons why some have none."""
 
     captures: tuple[CaptureScores, ...]  # scores of each capture that showed something
     left_out: tuple[str, ...]  # for each task that gave no score, its title and why, in a sentence

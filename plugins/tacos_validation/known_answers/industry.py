@@ -1,4 +1,4 @@
-"""What engineers use for a job, from a table of systems: a word or a range for each point."""
+"""Systems that engineers use for a job, from a table: a word or a range for each point."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def read_systems(path: Path) -> list[System]:
 
 
 def industry_answer(name: str, systems: Sequence[System]) -> IndustryAnswer | None:
-    """What systems of one job have in common at a point; None where they state nothing, or no one thing."""
+    """Answer that systems of one job share at a point; None where they state nothing, or no one thing."""
     point = POINTS[name]
     if point.unit:
         return _range(name, point, systems)

@@ -133,7 +133,7 @@ def dead_leaves(
 
 
 def _copies(place: float, radius: float, size_px: int) -> list[float]:
-    """Where a leaf lies on a sheet whose opposite edges meet."""
+    """Places of a leaf on a sheet whose opposite edges meet."""
     copies = [place]
     reach = radius + _PAD_PX
     if place < reach:

@@ -42,7 +42,7 @@ def simplified(patches: Sequence[Patch], eyes_m: NDArray[np.float64], most: int)
 
 
 def _shares(counts: NDArray[np.float64], closeness: NDArray[np.float64], most: int) -> NDArray[np.float64]:
-    """How many triangles each piece keeps: a common factor of count times closeness, no more than it has."""
+    """Triangles that each piece keeps: a common factor of count times closeness, no more than it has."""
     low, high = 0.0, float(1 / closeness.min())
     for _ in range(60):
         factor = (low + high) / 2

@@ -1,4 +1,4 @@
-"""Where an agent can walk in a world of any shape: found by rays, over several storeys, stairs and slopes."""
+"""Walkable floor of a world of any shape: found by rays, over several storeys, stairs and slopes."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _DECIMALS = 5
 
 @dataclass(frozen=True)
 class Agent:
-    """Who walks."""
+    """Body of the agent that walks."""
 
     radius_m: float  # its middle stays this far from what it cannot step on [m]
     height_m: float  # it needs this much room above the floor [m]

@@ -1,4 +1,4 @@
-"""Which side of a surface is seen, and surfaces turned so that it is their front.
+"""Seen sides of surfaces, and surfaces turned so that these are their fronts.
 
 Files are full of walls that face away from the room they belong to: boxes modelled from outside, mirrored
 copies, exporters with another convention. A rasterizer leaves such walls out, and light computed for the

@@ -1,4 +1,4 @@
-"""Which thing a surface belongs to, and of which class it is."""
+"""Things that surfaces belong to, and their classes."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Rule:
     class_name: str
 
     def matches(self, names: Sequence[str]) -> int | None:
-        """How many of the names from the root lead to the one that matches; None where none does."""
+        """Number of names from the root to the one that matches; None where none does."""
         pattern = self.pattern.lower()
         for depth, name in enumerate(names, start=1):
             whole = "/".join(names[:depth]).lower()
@@ -88,7 +88,7 @@ def _from_yaml(file: Path) -> tuple[list[Rule], list[Fault]]:
 
 @dataclass(frozen=True)
 class Label:
-    """What a surface is."""
+    """Thing and class of a surface."""
 
     thing: str  # names the thing: surfaces of one thing share it. Empty for the background
     class_name: str

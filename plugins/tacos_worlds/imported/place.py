@@ -39,7 +39,7 @@ _UNLIT_LUX = 300.0
 
 @dataclass(frozen=True)
 class Budget:
-    """What a world may take."""
+    """Limits of a world."""
 
     triangles: int
     texture_memory_mb: float
@@ -47,7 +47,7 @@ class Budget:
 
 @dataclass(frozen=True, eq=False)
 class Sources:
-    """Where light comes from."""
+    """Sources of light."""
 
     lights: tuple[Light, ...]
     emission_scale: float  # luminance for one unit of emission in the file [cd/m2]

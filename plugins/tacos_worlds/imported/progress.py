@@ -1,4 +1,4 @@
-"""What the log says while a large file is made ready to be walked in."""
+"""Log while a large file is made ready to be walked in."""
 
 from __future__ import annotations
 

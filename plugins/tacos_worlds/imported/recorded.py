@@ -66,7 +66,7 @@ def recorded_episode(
 
 
 def _steps(place: Place) -> list[tuple[float, int]]:
-    """When an obstacle lies below the agent: (time [s], object)."""
+    """Moments at which an obstacle lies below the agent: (time [s], object)."""
     assert place.recorded is not None
     trajectory = place.recorded
     time_s = np.arange(0.0, float(trajectory.time_s[-1]), 0.05)

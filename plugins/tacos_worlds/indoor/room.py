@@ -32,7 +32,7 @@ _TALL_M = 1.05
 
 @dataclass(frozen=True, eq=False)
 class RoomsToDraw:
-    """What is settled of a floor before its rooms are drawn."""
+    """Facts of a floor that are settled before its rooms are drawn."""
 
     plan: FloorPlan
     kinds: tuple[str, ...]  # of each room what it is used for

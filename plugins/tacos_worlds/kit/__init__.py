@@ -1,4 +1,4 @@
-"""What families of worlds are built with, and no family by itself.
+"""Parts that families of worlds are built with; no family by itself.
 
 ===============  ============================================================================================
 ``mesh``         meshes as they are put together, with ``shapes``

@@ -1,4 +1,4 @@
-"""How a camera shakes on what carries it: smooth angular and linear motion on top of an agent's way.
+"""Shake of a camera on its carrier: smooth angular and linear motion on top of an agent's way.
 
 Rates about and along each axis are band-limited Gaussian noise of a stated deviation; angles and places are
 their integrals. What the sources measured, and what follows from it by an assumption, stands at each carrier.
@@ -26,7 +26,7 @@ _LEAST_S = 20.0
 
 
 class CarriedSettings(Settings):
-    """What carries the cameras of a scene."""
+    """Carrier of the cameras of a scene."""
 
     motion: Carrier = setting(
         "none",
@@ -74,7 +74,7 @@ SHAKING: Mapping[str, Shaking] = {
 
 
 def motion_words(config: CarriedSettings, speed_m_s: float) -> str:
-    """How a scene's cameras move, for its `moves`.
+    """Motion of a scene's cameras in words, for its `moves`.
 
     >>> motion_words(CarriedSettings(motion="head"), 1.0)
     '1 m/s, shaken as on a head (turning by 18 deg/s rms)'

@@ -17,7 +17,7 @@ from tacos_worlds.kit.textures.texture import Texture
 
 @dataclass(frozen=True)
 class Finish:
-    """What a surface is made of. Equal finishes become one material."""
+    """Material of a surface. Equal finishes become one material."""
 
     texture: str  # name of a procedural texture (a key of :data:`TEXTURES`), or "" for none
     tint: Colour = (1.0, 1.0, 1.0)  # Linear-sRGB reflectance that multiplies the texture [1]

@@ -130,7 +130,7 @@ def _lengths(vectors: Floats) -> Floats:
 
 
 def _distinct(code: Indices) -> tuple[Indices, Indices]:
-    """Where each code, in rising order, occurs first, and (N,) the place of each code in that order."""
+    """First place of each code, in rising order, and (N,) the place of each code in that order."""
     order = code.argsort(kind="stable")
     rising = code[order]
     starts = np.concatenate([[True], rising[1:] != rising[:-1]])

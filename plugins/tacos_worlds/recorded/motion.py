@@ -27,7 +27,7 @@ class Shot:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """How fast the image moves."""
+    """Velocity of the image."""
 
     time_s: NDArray[np.float64]  # (K,) middle of each step [s]
     velocity_px_s: NDArray[np.float32]  # (K, H/2, W/2, 2) velocity along x and y [px/s] at every other pixel
@@ -59,7 +59,7 @@ class Steps:
         return np.array([s.stamp_s - stamp_after_middle * s.exposure_ms * 1e-3 for s in self.shots])
 
     def stamp_after_middle(self) -> float:
-        """Where in the exposure the stamps lie: 0 in the middle, 0.5 at the end, -0.5 at the start.
+        """Place of the stamps in the exposure: 0 in the middle, 0.5 at the end, -0.5 at the start.
 
         With the right one the velocity of the image is steadiest over exposures of different length; shots of
         one length do not tell, and their stamps are taken to be of the middle.

@@ -1,4 +1,4 @@
-"""What a recording's exposure and noise keep it from showing."""
+"""Limits of a recording by its exposure and noise."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _QUANTILES = (0.1, 0.5, 0.9)
 def of_exposure(
     source: Source, frames: ExposedFrames, exposure: Exposure, camera: Camera, recorded: Camera
 ) -> dict[str, str]:
-    """Why frames are more blurred by motion than a candidate's: a word or two -> a sentence."""
+    """Reasons why frames are more blurred by motion than a candidate's: a word or two -> a sentence."""
     shorter_ms = frames.exposure_ms - exposure.time_s * 1e3
     if shorter_ms <= 1e-3 * frames.exposure_ms:
         return {}
@@ -42,7 +42,7 @@ def of_light(
     exposure: Exposure,
     recorded: Camera,
 ) -> dict[str, str]:
-    """Why the light is too noisy, or clipped, for a candidate: a word or two -> a sentence."""
+    """Reasons why the light is too noisy, or clipped, for a candidate: a word or two -> a sentence."""
     reasons = {}
     light = source.light(frames.name, 0, frames.exposure_ms)
     levels = np.quantile(light, _QUANTILES, axis=(0, 1)).astype(np.float32).reshape(1, 1, len(_QUANTILES), -1)

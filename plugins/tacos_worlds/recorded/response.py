@@ -36,7 +36,7 @@ class Response:
 
 
 def linear_response(white_dn: int) -> Response:
-    """That of raw samples."""
+    """Response of raw samples."""
     ends = np.array([0.0, white_dn])
     return Response(ends, ends)
 

@@ -142,7 +142,7 @@ class Source:
         return float(frames.stamp_s[index] - after * frames.exposure_ms * 1e-3)
 
     def moved_px(self, duration_ms: float) -> float:
-        """How far nine tenths of the image move at most in a time, at the usual moment [px of the light]."""
+        """Largest motion of nine tenths of the image in a time, at the usual moment [px of the light]."""
         if self.motion is None:
             return 0.0
         speed = np.linalg.norm(self.motion[0].velocity_px_s[:, ::8, ::8], axis=-1)

@@ -1,4 +1,4 @@
-"""What another camera at the place of a recording's own sees of its image."""
+"""View of another camera at the place of a recording's own."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _OUTSIDE_PX = 0.6
 
 
 def shown_of(camera: Camera, source: Camera, place_m: NDArray[np.float64]) -> dict[str, str]:
-    """Why an image of the source does not show what a camera sees: a word or two -> a sentence."""
+    """Reasons why an image of the source does not show what a camera sees: a word or two -> a sentence."""
     reasons = {}
     beside_m = float(np.linalg.norm(camera.agent_from_camera[:3, 3] - place_m))
     if beside_m > 1e-6:
@@ -59,7 +59,7 @@ def _border(camera: Camera) -> NDArray[np.float64]:
 
 @dataclass(frozen=True, eq=False)
 class Shares:
-    """How the pixels of a camera are made of those of the source."""
+    """Weights of the source's pixels in those of a camera."""
 
     light: csr_array  # (camera's pixels, source's pixels) shares of light
     noise: csr_array  # the same of the variance of noise that is not shared by pixels

@@ -1,4 +1,4 @@
-"""Who and what a town of a limited number of triangles has on its pavements and in its parking lots."""
+"""People and parked cars of a town of a limited number of triangles."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def populated(
 def _thinned(
     rng: np.random.Generator, placed: list[PlacedPiece], triangles: int, passed: cKDTree
 ) -> list[PlacedPiece]:
-    """What stands in a town without as many of its parked cars as are too many: those far off first."""
+    """A town without as many of its parked cars as are too many: those far off first."""
     cars = np.array([k for k, thing in enumerate(placed) if thing.piece.class_name == "car"], np.int64)
     middles = np.array([_middle(placed[k]) for k in cars.tolist()]).reshape(-1, 2)
     far = np.asarray(passed.query(middles)[0]) > _NEAR_M

@@ -117,7 +117,7 @@ def _line_kerb(
     parked_share: float,
     dark: bool,
 ) -> list[Piece]:
-    """What stands along a kerb, and the cars that park at it."""
+    """Furniture along a kerb, and the cars that park at it."""
     length, pieces = kerb.length_m, []
     half = WIDTH_M / 2 + STAIRS_M + 1.0
     keep_clear = (length / 2 - half, length / 2 + half) if under_bridge else (length, length)

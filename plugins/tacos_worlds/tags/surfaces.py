@@ -1,4 +1,4 @@
-"""Where a flat sheet can hang in a world: on what is upright, even and seen from the agent's way."""
+"""Places for a flat sheet in a world: upright, even and seen from the agent's way."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Surface:
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """Where a sheet hangs: its middle [m], unit vectors to its right and up as it is seen, and the part."""
+    """Place of a sheet: its middle [m], unit vectors to its right and up as it is seen, and the part."""
 
     middle_m: Floats
     right: Floats

@@ -1,4 +1,4 @@
-"""How much of what parts pictures from their expectation an effect on light explains, surely and best.
+"""Share of the difference between pictures and expectation that an effect on light explains.
 
 Statistics of detail are strict to a few hundredths, and so they should be: they find small effects. A real
 picture out of focus never meets that: depth, glints and what its expectation was made of leave a rest. That a

@@ -1,4 +1,4 @@
-"""What a hypothesis leaves of a picture, pixel by pixel, once pose, gain and offset are nobody's error."""
+"""Residual of a picture under a hypothesis, pixel by pixel, once pose, gain and offset are fitted."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ _SPIKE_SHARE = 0.001
 
 @dataclass(frozen=True, eq=False)
 class Bracket:
-    """What a bracket tells of its view."""
+    """Response and light measured from a bracket."""
 
     response: Response  # from light to codes
     rate: NDArray[np.float64]  # (H, W, C) light per second over that of the full code [1/s]

@@ -33,7 +33,7 @@ _ROUNDING_DN = 0.1
 
 @dataclass(frozen=True, eq=False)
 class ChartLight:
-    """What the neutral patches tell of light and response."""
+    """Light and response by the neutral patches."""
 
     white_dn: NDArray[np.float64]
     slope: float

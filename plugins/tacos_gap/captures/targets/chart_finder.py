@@ -28,7 +28,7 @@ _SAMPLED = 0.5
 
 @dataclass(frozen=True, eq=False)
 class FoundChart:
-    """Where a ColorChecker is."""
+    """Place of a ColorChecker."""
 
     patches_px: NDArray[np.float64]
     """(24, 4, 2) corners of the patches in the order of the chart, dark skin first [px]."""

@@ -28,7 +28,7 @@ _BETWEEN_QUARTERS = 1.349
 
 @dataclass(frozen=True)
 class EdgeTail:
-    """How an edge rises: most of it within its core, a share outside of it."""
+    """Rise of an edge: most of it within its core, a share outside of it."""
 
     core_px: float
     """Standard deviation of a Gaussian that rises from a quarter to three quarters over the same width
@@ -56,13 +56,13 @@ def edge_tail(plane: NDArray[np.floating], edge: SlantedEdge) -> EdgeTail | None
 
 
 def _reached(places: NDArray[np.float64], levels: NDArray[np.float64], level: float) -> float:
-    """Where an edge first rises over a level [px]."""
+    """Place at which an edge first rises over a level [px]."""
     k = max(int(np.argmax(levels > level)), 1)
     return float(np.interp(level, levels[k - 1 : k + 1], places[k - 1 : k + 1]))
 
 
 def tails_of(captures: Sequence[RealCapture]) -> list[str]:
-    """That edges have a broad tail, by the one that has most, and what to photograph next."""
+    """Sentence on edges with a broad tail, by the one that has most, and what to photograph next."""
     found = []
     for capture in captures:
         if capture.kind != "edge":

@@ -106,7 +106,7 @@ def _without_doubles(quads: list[NDArray[np.float64]]) -> NDArray[np.float64]:
 def _largest_lattice(
     centres: NDArray[np.float64], sides: NDArray[np.float64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
-    """Which centres stand on one lattice, and their (column, row) on it.
+    """Centres that stand on one lattice, and their (column, row) on it.
 
     Grown from each centre along its two nearest neighbours; steps follow the neighbours already found, so
     that perspective bends the lattice as it likes.

@@ -33,7 +33,7 @@ _MOST_EXPOSURES = 12
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """How light turns into codes: the light that a code stands for, both over full scale."""
+    """Response: the light that a code stands for, both over full scale."""
 
     log_code: NDArray[np.float64]  # (K,) rising logarithms of codes over full scale, the last 0
     log_light: NDArray[np.float64]

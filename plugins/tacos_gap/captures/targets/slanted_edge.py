@@ -177,7 +177,7 @@ def mtf50_cycles_px(plane: NDArray[np.floating], edge: SlantedEdge) -> float:
 
 
 def overshoot(plane: NDArray[np.floating], edge: SlantedEdge) -> float:
-    """How far the spread goes beyond its two sides, over the contrast: what sharpening leaves [1]."""
+    """Spread beyond the two sides over the contrast, which sharpening leaves [1]."""
     places, levels = edge_spread(plane, edge)
     near = np.abs(places) < PLATEAU_PX
     smooth = np.convolve(levels, np.full(OVERSAMPLING, 1 / OVERSAMPLING), "same")[near]

@@ -43,7 +43,7 @@ class View:
 
 @dataclass(frozen=True, eq=False)
 class Adjusted:
-    """What is left of the corners, and what was fitted to them."""
+    """Residuals of the corners, and what was fitted to them."""
 
     residuals: tuple[Array, ...]  # for each view (2K,), all x before all y [sigma]
     shared: Array  # (S,) what the views share, in units of its prior: paper board by board, then the lens
@@ -65,7 +65,7 @@ class Bundle:
         self._kept: dict[str, Adjusted] = {}
 
     def adjusted(self, effects: Sequence[PlacedEffect]) -> Adjusted:
-        """What is left under effects; those that move no pixels change nothing."""
+        """Adjustment under effects; those that move no pixels change nothing."""
         bearing = moving(effects)
         key = repr([(effect.use, effect.config) for effect in bearing])
         if key not in self._kept:
@@ -205,7 +205,7 @@ class Bundle:
     def _projected(
         self, i: int, pose: Pose, shared: Array, *, derivatives: bool = True
     ) -> tuple[Array, Array, Array]:
-        """Where the believed lens sees the points of a view, (K, 2) [px], and how that moves.
+        """Places where the believed lens sees the points of a view, (K, 2) [px], and their derivatives.
 
         With its pose, (2K, 6), and with what is shared, (2K, S), all x before all y.
         """

@@ -24,7 +24,7 @@ FREE_SHARE = 0.5
 def smooth_residual(
     points_mm: NDArray[np.float64], corners_px: NDArray[np.float64], centre_px: tuple[float, float]
 ) -> tuple[NDArray[np.float64], float]:
-    """What no smooth surface explains, and the noise it tells.
+    """Residual that no smooth surface explains, and the noise it shows.
 
     A homography seen through a radial lens, and beside it the polynomial over the board that leaves the least
     variance for its degrees of freedom. It is fitted again without points that stray.

@@ -1,4 +1,4 @@
-"""What views of boards cannot show since nobody knows their poses."""
+"""Effects that views of boards cannot show, since their poses are unknown."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a lens images points, and how that moves with them."""
+"""Images of points through a lens, and their derivatives."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _STEP = 1e-4  # of a point's distance
 
 
 def imaged(points_mm: Array, geometry: ImageGeometry, *, derivatives: bool = True) -> tuple[Array, Array]:
-    """Where a lens images points in the camera's frame.
+    """Images through a lens of points in the camera's frame.
 
     Returns: (K, 2) places [px], and how they move with the points (2, K, 3), without `derivatives` nothing
     [px/mm].

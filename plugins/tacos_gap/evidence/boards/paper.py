@@ -25,7 +25,7 @@ MOST = 6.0
 
 
 def deformations(board: Board, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
-    """How the points of a board move when its paper deforms by one standard deviation, in each way it can.
+    """Displacements of a board's points by one standard deviation of each way its paper deforms.
 
     Two ways in the plane, and out of it the polynomials of second order over the board. Those of third order
     are added where views tell which way up the board is, as they change their sign with it.

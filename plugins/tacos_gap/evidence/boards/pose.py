@@ -1,4 +1,4 @@
-"""Where a board stands before a camera."""
+"""Pose of a board before a camera."""
 
 from __future__ import annotations
 

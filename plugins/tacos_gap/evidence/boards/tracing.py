@@ -1,4 +1,4 @@
-"""Where points of an image look through effects that do nothing but move pixels."""
+"""Points of an image traced through effects that do nothing but move pixels."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def moving(effects: Sequence[PlacedEffect]) -> list[PlacedEffect]:
 def traced(
     effects: Sequence[PlacedEffect], geometry: ImageGeometry, points_px: Points
 ) -> tuple[Points, NDArray[np.float64]]:
-    """Where a pinhole sees what effects move to places of the image, and how it moves with them.
+    """Places where a pinhole sees what effects move to points of the image, and their derivatives.
 
     - `effects`: Any; those that move pixels bear on it.
     - `points_px`: (K, 2) places in the image [px].
@@ -56,7 +56,7 @@ def traced(
 
 
 def _through(placed: PlacedEffect, geometry: ImageGeometry, points_px: Points) -> Points:
-    """Where points look through one effect: exactly if it says so, else between the pixels of its map."""
+    """Sources of points through one effect: exact if it says so, else between the pixels of its map."""
     if not callable(optional(placed.cls, EffectBase, "source_at")):
         source = source_of(placed, geometry)
         return points_px if source is None else _looked_up(source, points_px)
@@ -67,7 +67,7 @@ def _through(placed: PlacedEffect, geometry: ImageGeometry, points_px: Points) -
 
 
 def source_of(placed: PlacedEffect, geometry: ImageGeometry) -> Places | None:
-    """Where each pixel looks through an effect that does nothing but move pixels, and needs no circumstances.
+    """Source of each pixel through an effect that does nothing but move pixels, and needs no circumstances.
 
     None for all others, as for those that go by motion or depth.
     """
@@ -87,7 +87,7 @@ def source_of(placed: PlacedEffect, geometry: ImageGeometry) -> Places | None:
 
 
 def _looked_up(source: Places, points_px: Points) -> Points:
-    """Where pixels at points look, between the whole pixels that `source` gives."""
+    """Sources of pixels at points, between the whole pixels that `source` gives."""
     return np.column_stack(
         [map_coordinates(part, points_px[:, ::-1].T, order=1, mode="nearest") for part in source]
     )

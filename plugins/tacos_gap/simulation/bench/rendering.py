@@ -15,7 +15,7 @@ from tacos_gap.simulation.bench.simulated import CaptureBench
 
 
 def recipe_renderer(plugins: Plugins) -> Render:
-    """What `read_captures` asks to render a capture's `scene`.
+    """Renderer of a capture's `scene`, as `read_captures` asks for it.
 
     The recipe is one of a bench, as `tacos captures simulate` takes it: a file, or the name of one that is
     shipped. Of its captures the one of the same id is rendered; a recipe with a single capture serves any id.

@@ -1,4 +1,4 @@
-"""What is photographed on the bench, with which camera."""
+"""Settings of the bench: targets and camera."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ BRIGHTEST_PERCENT = 99.0
 
 @dataclass(frozen=True, eq=False)
 class Expected:
-    """What the simulator expects of a shot."""
+    """Expectation of the simulator for a shot."""
 
     light: Rendered  # what was rendered, dimmed to the level
     factor: float  # by which the lamp was dimmed to that level [1]
@@ -224,7 +224,7 @@ def _asked_for_by(renderer: Any) -> tuple[str, ...]:
 
 
 def _known(sensor: SensorAt, light_cd_m2: NDArray[np.float32]) -> NDArray[np.float32]:
-    """What a sensor expects of light; in a sentence where it knows too little of the camera."""
+    """Expectation of a sensor for light; in a sentence where it knows too little of the camera."""
     try:
         return sensor.expect(light_cd_m2)
     except CandidateFailed as failed:

@@ -1,4 +1,4 @@
-"""What a better simulation does to the choice of a camera, in a verdict and a sentence."""
+"""Effect of a better simulation on the choice of a camera, in a verdict and a sentence."""
 
 from __future__ import annotations
 

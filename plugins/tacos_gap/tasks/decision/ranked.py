@@ -69,7 +69,7 @@ def ranked(
 
 
 def chance_best(values: Mapping[str, NDArray[np.float64]], seed: int) -> dict[str, float]:
-    """How often each camera is the best when scenes are drawn anew, all cameras on the same ones.
+    """Share of draws of scenes on which each camera is the best, all cameras on the same ones.
 
     - `values`: (n,) what each scene tells about a camera's fitness, by name.
 

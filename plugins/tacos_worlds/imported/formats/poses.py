@@ -195,7 +195,7 @@ def stamp_unit(stamp: NDArray[np.float64], form: Form) -> StampUnit:
 
 
 def doubt_of_time(path: RecordedPath) -> str | None:
-    """Why the times of a path are hardly in seconds, or whose they are; None where nothing is doubtful."""
+    """Doubts about the times of a path; None where there are none."""
     if path.form in _UNTIMED and path.form != "kitti":
         what = f"{_UNTIMED[path.form]} holds neither times nor a unit"
         return f"{what}: {KITTI_RATE_HZ:g} poses a second, and metres, are taken"

@@ -1,1 +1,1 @@
-"""Which furniture a room gets, and where it stands."""
+"""Furniture of rooms, and its places."""

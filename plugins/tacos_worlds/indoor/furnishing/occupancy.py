@@ -1,4 +1,4 @@
-"""What floor of a room is taken, and whether one can still walk through it."""
+"""Taken floor of a room, and whether one can still walk through it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stands in a living room, a bedroom, a bathroom, and so on."""
+"""Furniture of a living room, a bedroom, a bathroom, and so on."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stands on tables, worktops and sideboards."""
+"""Things on tables, worktops and sideboards."""
 
 from __future__ import annotations
 

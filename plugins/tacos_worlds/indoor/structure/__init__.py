@@ -1,1 +1,1 @@
-"""What a building has before furniture: walls, floors, doors, windows, skirting, ceiling lights."""
+"""Building before furniture: walls, floors, doors, windows, skirting, ceiling lights."""

@@ -48,7 +48,7 @@ def relax(
 
 @compiled
 def _pull(coordinate: Floats, reach: int, pulled: Floats) -> None:
-    """Where all points but the first and last are pulled to, along one axis."""
+    """Targets that all points but the first and last are pulled to, along one axis."""
     count = len(coordinate)
     for at in range(1, count - 1):
         target = coordinate[at]

@@ -1,4 +1,4 @@
-"""Where the agent can walk, on a grid."""
+"""Free space of the agent, on a grid."""
 
 from __future__ import annotations
 

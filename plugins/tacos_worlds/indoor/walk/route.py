@@ -1,4 +1,4 @@
-"""Which rooms are visited in which order, and the path on the floor through them."""
+"""Order of rooms on a walk, and the path on the floor through them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a file holds, before anything is made of it: meshes, materials and lights, in the file's own axes."""
+"""Content of a file, before anything is made of it: meshes, materials and lights, in the file's own axes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """How a surface looks, as files say it (metallic-roughness)."""
+    """Look of a surface, as files say it (metallic-roughness)."""
 
     name: str
     base_colour: NDArray[np.float64] = field(default_factory=lambda: np.full(3, 0.5))

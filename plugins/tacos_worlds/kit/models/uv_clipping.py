@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 
 
 def cut(surface: Surface, owner: NDArray[np.int64], polygons: Floats) -> Surface:
-    """What of a surface lies within convex polygons of its texture.
+    """Part of a surface within convex polygons of its texture.
 
     - `surface`: with `uv`.
     - `owner`: (N,) the triangle that each polygon cuts.

@@ -1,4 +1,4 @@
-"""What people wear, and the colours of skin and hair."""
+"""Clothes, and the colours of skin and hair."""
 
 from __future__ import annotations
 

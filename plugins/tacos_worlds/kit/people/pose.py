@@ -1,4 +1,4 @@
-"""How a body is held: the angles of its joints, and where that puts them."""
+"""Poses of a body: the angles of its joints, and their places."""
 
 from __future__ import annotations
 

@@ -90,7 +90,7 @@ def photograph(rng: np.random.Generator, size: int) -> Texture:
 
 
 def view_outside(rng: np.random.Generator, size: int) -> Texture:
-    """What a window shows at dusk, 2 m across: sky, trees, lit windows far away, all out of focus."""
+    """View from a window at dusk, 2 m across: sky, trees, lit windows far away, all out of focus."""
     row = np.arange(size)[:, None] / size
     sky = blend(
         (0.62, 0.60, 0.60), (0.30, 0.37, 0.50), np.broadcast_to(smoothstep(row, 0.3, 1.0), (size, size))

@@ -1,1 +1,1 @@
-"""How an agent walks along a path, and which stretches of walks become an episode."""
+"""Motion of an agent along a path, and the stretches of walks that become an episode."""

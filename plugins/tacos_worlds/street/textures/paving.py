@@ -1,4 +1,4 @@
-"""What lies on the ground: asphalt, slabs, kerbstones, grass, worn paint."""
+"""Ground: asphalt, slabs, kerbstones, grass, worn paint."""
 
 from __future__ import annotations
 

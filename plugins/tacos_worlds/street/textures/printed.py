@@ -1,4 +1,4 @@
-"""What is printed, painted or grown: road signs, posters, number plates, leaves, bark, sky-facing paint."""
+"""Printed, painted and grown surfaces: road signs, posters, number plates, leaves, bark, car paint."""
 
 from __future__ import annotations
 

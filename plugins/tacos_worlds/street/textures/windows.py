@@ -11,7 +11,7 @@ from tacos_worlds.street.textures.walls import Canvas, Colour
 
 @dataclass(frozen=True)
 class WindowStyle:
-    """How the windows of a front look; lengths in cells of the wall."""
+    """Look of the windows of a front; lengths in cells of the wall."""
 
     width: float  # of the opening [cell]
     height: float  # of the opening [cell]

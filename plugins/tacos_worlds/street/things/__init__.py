@@ -1,1 +1,1 @@
-"""What stands in the streets, each as a `Piece` around the origin on the ground."""
+"""Things in the streets, each as a `Piece` around the origin on the ground."""

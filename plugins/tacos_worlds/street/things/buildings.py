@@ -42,7 +42,7 @@ Parts = list[tuple[Mesh, Finish]]
 
 @dataclass(frozen=True)
 class House:
-    """What a building of a row is like."""
+    """Building of a row."""
 
     width_m: float  # x from 0 to the width
     depth_m: float  # y from 0, the street, to the depth
@@ -143,7 +143,7 @@ def _lights(
 
 
 def _relief(rng: np.random.Generator, house: House, first: int, finish: Finish, dark: bool) -> Parts:
-    """What stands out of the front: bay windows or balconies, awnings, dormers, a downpipe."""
+    """Relief of the front: bay windows or balconies, awnings, dormers, a downpipe."""
     bays, parts = _bays(house.width_m), [fronts.downpipe(0.05, house.eaves_m)]
     shape = (bays, house.width_m, GROUND_FLOOR_M, house.floors, house.floor_m)
     way = float(rng.uniform())

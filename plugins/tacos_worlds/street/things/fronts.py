@@ -1,4 +1,4 @@
-"""What gives a front depth: bay windows, balconies, awnings, dormers, pipes; and windows lit by night."""
+"""Depth of a front: bay windows, balconies, awnings, dormers, pipes; and windows lit by night."""
 
 from __future__ import annotations
 
