@@ -127,7 +127,7 @@ class Rendering:
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """What to change where frames are over- or underexposed, in a sentence for each camera."""
+        """Advice where frames are over- or underexposed, in a sentence for each camera."""
         found = ((name, self.exposed(name).doubt) for name in self.cameras)
         return tuple(f"{name}: {doubt}" for name, doubt in found if doubt)
 

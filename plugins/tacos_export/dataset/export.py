@@ -133,7 +133,7 @@ class Manifest:
 
     @property
     def doubts(self) -> list[str]:
-        """What to change where frames are over- or underexposed, in a sentence for each camera."""
+        """Advice where frames are over- or underexposed, in a sentence for each camera."""
         means = ((name, mean_exposed(frames)) for name, frames in self._exposed.items() if frames)
         return [f"{name}: {mean.doubt}" for name, mean in means if mean.doubt]
 

@@ -10,7 +10,7 @@ FOCAL_LENGTH_MM = 4.0
 
 
 def unstated(camera: CaptureCamera) -> frozenset[str]:
-    """What of the lens is not stated; a lens stands a percent off the middle of a sensor unless stated.
+    """Facts of the lens that are not stated; a lens stands a percent off the middle unless stated.
 
     A data sheet states a focal length, and never a principal point.
     """

@@ -34,7 +34,7 @@ _FOCAL, _FOCAL_35, _PLANE_X, _PLANE_UNIT, _WIDTH = 0x920A, 0xA405, 0xA20E, 0xA21
 
 @dataclass(frozen=True)
 class Facts:
-    """What a file says; None where it does not."""
+    """Facts of a file; None where it does not say."""
 
     camera: str = ""
     exposure_ms: float | None = None

@@ -1,4 +1,4 @@
-"""What the photographer says of camera, board and pictures, and what the import guesses in its place."""
+"""Answers of the photographer on camera, board and pictures, and the import's guesses in their place."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ FILTERS = ("RGGB", "BGGR", "GRBG", "GBRG")
 
 @dataclass(frozen=True)
 class Given:
-    """What the photographer says of camera and board; None leaves it to the files.
+    """Answers of the photographer on camera and board; None leaves it to the files.
 
     Raises UserError when a number cannot be that of a camera or of a board; all of them together.
     """
@@ -51,7 +51,7 @@ class Given:
 
 @dataclass(frozen=True)
 class Guess:
-    """What the import takes for true although nothing says it."""
+    """Assumption of the import that no file states."""
 
     text: str  # what is taken, why, and what else it may be
     key: str = ""  # the field of `Given` that settles it; empty where a file has to
@@ -62,7 +62,7 @@ class Guess:
 def asked(
     guesses: Sequence[Guess], given: Given, ask: Callable[[str], str], tell: Callable[[str], None]
 ) -> Given:
-    """What was given, with the answers of the photographer; an empty answer leaves a guess.
+    """Given values, with the answers of the photographer; an empty answer leaves a guess.
 
     `ask`: gives the answer to a question; `EOFError` ends the questions.
     """

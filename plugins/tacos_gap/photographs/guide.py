@@ -1,4 +1,4 @@
-"""What to photograph: the whole round, what one effect needs, or what a diagnosis left open."""
+"""Guide to photographing: the whole round, for one effect, or for what a diagnosis left open."""
 
 from __future__ import annotations
 

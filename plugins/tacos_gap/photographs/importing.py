@@ -31,7 +31,7 @@ _ORDER = ("dark", "flat", "bracket", "edge", "board", "chart", "sequence", "scen
 
 @dataclass(frozen=True, eq=False)
 class Imported:
-    """What an import made.
+    """Result of an import.
 
     - `path`: the ``captures.yaml`` it wrote.
     - `entries`: the entries of its captures.
@@ -122,7 +122,7 @@ def _sorted(looked_at: Sequence[Picture], tables: Sequence[Table], given: Given)
 def _likelier_boards(
     pictures: Sequence[Picture], with_boards: Sequence[Picture], given: Given
 ) -> list[Picture]:
-    """What would pass for sharp edges by a guess, among more views of a board: one that is not seen whole."""
+    """Pictures taken for more views of a board that pass for sharp edges: one that is not seen whole."""
     guessed = [p for p in pictures if p.shown.kind == "edge" and p.shown.doubt and p.name not in given.kinds]
     return guessed if len(with_boards) > 2 * len(guessed) else []
 

@@ -12,7 +12,7 @@ _NAMED = 20
 
 
 def left_out(reasons: Iterable[tuple[str, str]]) -> list[str]:
-    """Why files are left out, those of one reason together.
+    """Reasons why files are left out, those of one reason together.
 
     - `reasons`: name of each file, and what is said of it, without a full stop at its end.
 

@@ -1,4 +1,4 @@
-"""What the name of a photograph's file says of how it was taken, and of what it shows."""
+"""Names of files: how a photograph was taken, and its kind."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def time_in_name_ms(stem: str) -> float | None:
 
 
 def possible_time_ms(stem: str) -> float | None:
-    """What ``1_250`` is if it is a shutter time, which only the brightness of several pictures can tell [ms].
+    """Shutter time that ``1_250`` may stand for, which only the brightness of several pictures can tell [ms].
 
     >>> possible_time_ms("shelf_1_250"), possible_time_ms("IMG_1_251"), possible_time_ms("IMG_2_250")
     (4.0, None, None)

@@ -1,4 +1,4 @@
-"""What a photograph shows: a cap, a wall, a board, a chart, an edge, or a scene."""
+"""Kind of a photograph: a cap, a wall, a board, a chart, an edge, or a scene."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ _SIDES = 0.85
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """What a picture shows."""
+    """Content of a picture."""
 
     kind: str  # dark, flat, board, chart, edge or scene
     thumbnail: NDArray[np.float32]  # small picture of even mean and spread, by which framings are compared
@@ -174,7 +174,7 @@ def _is_dark(grey: NDArray[np.float32]) -> bool:
 
 
 def _unevenness(grey: NDArray[np.float32]) -> float:
-    """How far a picture departs, over the level, from the smooth shading that lens and lamp give a wall."""
+    """Departure of a picture, over the level, from the smooth shading that lens and lamp give a wall."""
     fine = cv2.GaussianBlur(grey, (0, 0), 2.0)
     smooth = shading(np.ascontiguousarray(grey))
     lit = smooth > 0.1 * float(np.percentile(smooth, 99))
@@ -183,7 +183,7 @@ def _unevenness(grey: NDArray[np.float32]) -> float:
 
 
 def _noise_left(grey: NDArray[np.float32]) -> float:
-    """What noise leaves of the departure that `_unevenness` takes the 99th percentile of."""
+    """Departure left by noise, of which `_unevenness` takes the 99th percentile."""
     return 2.6 * _noise(grey) / (2 * math.sqrt(math.pi) * 2.0)
 
 

@@ -1,4 +1,4 @@
-"""Which files of what was named are photographs, and which are passed over."""
+"""Photographs among the files that were named, and files that are passed over."""
 
 from __future__ import annotations
 

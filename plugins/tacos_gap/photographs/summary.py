@@ -1,4 +1,4 @@
-"""What an import did, in lines to print."""
+"""Summary of an import, in lines to print."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ _ISO, _GAIN, _F_NUMBER = (
 
 @dataclass(frozen=True)
 class Row:
-    """What a table says of one picture; None where it does not."""
+    """Settings of one picture in a table; None where it has none."""
 
     time: float | None = None
     """Its number for the exposure time, before any unit but those of the cell itself."""
@@ -129,7 +129,7 @@ def _cells(line: str) -> list[str]:
 
 
 def _row(cells: Sequence[str], heading: Sequence[str], file_at: int) -> Row:
-    """What cells say: those whose heading says a setting, or without headings the first number."""
+    """Row of cells: those whose heading says a setting, or without headings the first number."""
     others = [i for i in range(len(cells)) if i != file_at]
     if not heading:
         first = next((i for i in others if _is_number(cells[i])), None)

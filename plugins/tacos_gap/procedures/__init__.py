@@ -1,1 +1,1 @@
-"""What `procedure.diagnose` adds to the diagnosis: scores of a task, and what becomes of a decision."""
+"""Additions of `procedure.diagnose` to the diagnosis: scores of a task, and the decision of a study."""

@@ -1,4 +1,4 @@
-"""What is wrong with the settings of a diagnosis, all of it at once and before any work."""
+"""Faults of the settings of a diagnosis, all at once and before any work."""
 
 from __future__ import annotations
 

@@ -66,7 +66,7 @@ class ImportedScene:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What is doubtful of the files, and what of them is not carried out, with its effect.
+        """Doubts about the files, and what of them is not carried out, with its effect.
 
         Raises UserError with a fault for each thing that is wrong with the files.
         """

@@ -73,7 +73,7 @@ class Bundle:
         return self._kept[key]
 
     def noise_left(self, noise_px: Sequence[Array]) -> list[Array]:
-        """What the adjustment leaves of noise on corners of a flat board seen by a pinhole, to first order.
+        """Residual of noise on corners of a flat board seen by a pinhole, after adjustment to first order.
 
         - `noise_px`: for each view (B, K, 2) draws [px].
 

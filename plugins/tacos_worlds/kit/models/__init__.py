@@ -1,4 +1,4 @@
-"""What files of triangles hold, on its way to the parts of a world.
+"""Content of files of triangles, on its way to the parts of a world.
 
 ``model``     surfaces, looks and lamps of a file, in its own axes
 ``cutouts``   surfaces cut to where they hide what is behind, with ``mask_outlines`` and ``uv_clipping``

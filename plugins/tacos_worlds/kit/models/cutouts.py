@@ -126,7 +126,7 @@ def _outlines_within(skin: Skin, most: float, tiles: float) -> NDArray[np.float6
 def _placed(
     corners: NDArray[np.float64], polygons: NDArray[np.float64], clamped: Sequence[bool]
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Which triangles may meet which outlines of which tile: (N,) triangles and (N, K, 2) polygons there."""
+    """Triangles that may meet outlines of tiles: (N,) triangles and (N, K, 2) polygons there."""
     lower, upper = polygons.min(axis=1), polygons.max(axis=1)
     owners, placed = [np.zeros(0, np.int64)], [polygons[:0]]
     for index, triangle in enumerate(corners):

@@ -53,7 +53,7 @@ def _rectangles(whole: NDArray[np.bool_], u: Floats, v: Floats) -> Floats:
 
 
 def _edges(field: Floats, cells: NDArray[np.bool_], u: Floats, v: Floats) -> Floats:
-    """What of cells along the edge is inside: their corners, and where the field is zero between them."""
+    """Inside of cells along the edge: their corners, and where the field is zero between them."""
     row, column = np.nonzero(cells)
     around = [(0, 0), (0, 1), (1, 1), (1, 0)]
     values = np.stack([field[row + r, column + c] for r, c in around], axis=1)

@@ -79,7 +79,7 @@ def along_walks(
 
 
 def _start(rng: np.random.Generator, walk: Walk, needed_s: float) -> float:
-    """When in a walk the frames begin: at its start, or before some doorway where they cover only a part."""
+    """Beginning of the frames in a walk: its start, or before some doorway where they cover only a part."""
     spare_s = walk.duration_s - needed_s
     if spare_s <= 0:
         return 0.0
