@@ -66,10 +66,7 @@ def resample(
 def _spline(
     image: NDArray[Samples], column: NDArray[np.float64], row: NDArray[np.float64]
 ) -> NDArray[Samples]:
-    """(H', W') an (H, W) image at places counted from the corner of what is repeated around it.
-
-    The coefficients are SciPy's.
-    """
+    """(H', W') an (H, W) image at places counted from the corner of what is repeated around it."""
     least, most = image.min(), image.max()
     if least == most:  # an even picture looks the same from everywhere
         return np.full(column.shape, least, image.dtype)

@@ -51,10 +51,7 @@ class Pace:
         self._seen.append((count, self._clock()))
 
     def __str__(self) -> str:
-        """Share done, and, once something is, the time left at the pace of the later half of it.
-
-        The first takes longer, as worlds are read and lit for it.
-        """
+        """Share done, and, once something is, the time left at the pace of the later half of it."""
         if self.total is None or self.done > self.total:  # an estimate that what is scored again exceeds
             return f"{self.title}: {self.done} done"
         so_far = f"{self.title}: {self.done} of {self.total} done"

@@ -20,8 +20,6 @@ def new_checksum(data: bytes = b"") -> hashlib.blake2b:
 def checksums_below(root: Path) -> Mapping[str, str]:
     """Checksums of a file, or of all files below a folder but byte code, by their paths below it, sorted.
 
-    Read once for as long as no file is written.
-
     Raises `OSError` when one cannot be read, or is no regular file.
     """
     stats = [(path, os.stat(path)) for path in _files(root)]

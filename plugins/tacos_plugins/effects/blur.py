@@ -1,7 +1,5 @@
 """Blur by a point spread function that is known through its transfer function.
 
-An even disc has a kernel of its own: see `tacos_plugins.effects.disc`.
-
 A kernel is made from the optical transfer function rather than by sampling the spread: it then has the
 transfer of the real thing up to the Nyquist frequency, however narrow the spread, and changes smoothly with
 its parameters. A sampled Gaussian of 0.3 px would do neither.

@@ -1,7 +1,5 @@
 """Lenses calibrated from views of boards by OpenCV: where the search for a lens begins.
 
-Least squares over corners finds in milliseconds what steps from a pinhole do not reach: barrels, fisheyes.
-
 Source: Zhang 2000, "A flexible new technique for camera calibration", IEEE Trans. PAMI 22(11).
 """
 

@@ -1,7 +1,4 @@
-"""Radius of the disc that has blurred a picture, from its spectrum and that of what is expected.
-
-Spectra do not mind where things stand: a picture that is shifted against its expectation tells as much.
-"""
+"""Radius of the disc that has blurred a picture, from its spectrum and that of what is expected."""
 
 from __future__ import annotations
 
@@ -56,10 +53,7 @@ def disc_radius_px(capture: ObservedCapture) -> float | None:
 def _passed_by_disc(
     radius_px: float, fx: NDArray[np.float64], fy: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """(H, W) share of power that a disc lets pass at (W,) and (H,) frequencies of an FFT [1].
-
-    Frequencies of either sign pass alike, so a quarter of them is worked out.
-    """
+    """(H, W) share of power that a disc lets pass at (W,) and (H,) frequencies of an FFT [1]."""
     above = [np.abs(frequencies[: len(frequencies) // 2 + 1]) for frequencies in (fx, fy)]
     columns, rows = (np.minimum(n := np.arange(len(each)), len(each) - n) for each in (fx, fy))
     quarter = disc_transfer(radius_px)(above[0][None, :], above[1][:, None]) ** 2

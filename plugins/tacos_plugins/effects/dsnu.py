@@ -92,10 +92,7 @@ class Dsnu:
 
     @classmethod
     def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
-        """Spreads at which as many columns, and photosites, are bright as in a dark that is cut off at 0.
-
-        Where the dark is not cut off, a fit finds the spreads from anywhere.
-        """
+        """Spreads at which as many columns, and photosites, are bright as in a dark that is cut off at 0."""
         for dark in steady_darks(captures)[-1:]:
             if not dark.is_cut_off:
                 continue

@@ -16,10 +16,7 @@ def cell_means(image: NDArray[Any]) -> NDArray[np.float32]:
 
 
 def of_pixels(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(2, 3) affine map of the points of `cell_means` as a map of the points of the mosaic.
-
-    The middle of a cell is half a pixel beyond its first one.
-    """
+    """(2, 3) affine map of the points of `cell_means` as a map of the points of the mosaic."""
     linear, moved = matrix[:, :2], matrix[:, 2]
     middle = np.array([0.5, 0.5])
     return np.column_stack([linear, 2 * moved + middle - linear @ middle])

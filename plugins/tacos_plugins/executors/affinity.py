@@ -54,10 +54,7 @@ class JobTimes:
             self._again_s = min(self._again_s, seconds)
 
     def generous_s(self, attempt: int) -> float:
-        """A time that no job takes unless it hangs, and ten times that for a second attempt [s].
-
-        Without limit until a job is done: nothing is known then.
-        """
+        """A time that no job takes unless it hangs, and ten times that for a second attempt [s]."""
         if not self._longest_s:
             return math.inf
         return (MOST_TIMES_LONGER * self._longest_s + GRACE_S) * 10 ** (attempt - 1)

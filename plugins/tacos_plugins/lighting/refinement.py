@@ -19,10 +19,7 @@ def refined(world: World, edge_m: float) -> World:
 
 
 def _refined(part: MeshPart, edge_m: float) -> MeshPart:
-    """Split in four, again and again, whatever triangle has a long edge.
-
-    Neighbours may be split differently: their surfaces stay the same, as new vertices lie on old edges.
-    """
+    """Split in four, again and again, whatever triangle has a long edge."""
     attributes = np.hstack([part.vertices_m, part.normals, part.uv_m]).astype(np.float32)
     small: list[NDArray[np.int32]] = []
     triangles = part.triangles

@@ -43,10 +43,7 @@ class NormalNumbers:
         self._place = 0
 
     def fill(self, out: NDArray[np.float32]) -> None:
-        """Fill (N,) float32, contiguous, with the next N numbers.
-
-        All but the last call of a frame fill a multiple of 16, the samples of one counter.
-        """
+        """Fill (N,) float32, contiguous, with the next N numbers."""
         if self._place % PLACES:
             raise ValueError(f"only the last numbers of a frame may be other than a multiple of {PLACES}")
         from tacos_plugins.sensors.sample_loops import find_tails, look_up
@@ -63,10 +60,7 @@ class NormalNumbers:
 
 @lru_cache(maxsize=1)
 def quantiles() -> NDArray[np.float32]:
-    """(65 536,) what stands for each bin of equal probability: the root mean square of the normal in it.
-
-    So the variance is 1 as exactly as the mean is 0.
-    """
+    """(65 536,) what stands for each bin of equal probability: the root mean square of the normal in it."""
     from scipy.special import ndtri  # late: checking a recipe draws nothing
 
     edge = ndtri(np.arange(1 << (BITS - 1)) / (1 << BITS))  # of the lower half, from minus infinity

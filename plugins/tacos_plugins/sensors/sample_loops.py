@@ -19,8 +19,6 @@ def look_up(bins: NDArray[np.uint16], table: NDArray[np.float32], out: NDArray[n
 def find_tails(words: NDArray[np.uint64], tail_bits: int, count: int, tail: NDArray[np.int64]) -> int:
     """Note which samples lie at an end of the table of their places.
 
-    Four places are looked at together: seldom is one of them at an end.
-
     - `words`: places of 16 bits, four to a word, the first in the lowest.
     - `tail_bits`: those at an end begin with 16 - `tail_bits` equal bits.
     - `count`: how many samples there are; what is beyond them in the last word is none.

@@ -79,10 +79,7 @@ class Device:
     def _look_around(
         self, painter: Painter, world: World, lit: BakedMesh
     ) -> tuple[tuple[Probe, ...], ProbeMap]:
-        """Surroundings for glossy surfaces to mirror, and the part that each place mirrors.
-
-        Metals would be black otherwise.
-        """
+        """Surroundings for glossy surfaces to mirror, and the part that each place mirrors."""
 
         def view(
             camera: Camera, pose: NDArray[np.float64]

@@ -99,10 +99,7 @@ class TargetPool:
         return of_size[key]
 
     def scratch(self, name: str, shape: tuple[int, ...]) -> NDArray[np.float32]:
-        """Memory to read back into, by name: the same each time, as new memory costs more than to fill it.
-
-        Loops may take whole lanes of it (`with_lanes`).
-        """
+        """Memory to read back into, by name: the same each time, as new memory costs more than to fill it."""
         count = math.prod(shape)
         if name not in self._memory or self._memory[name].size < count:
             self._memory[name] = with_lanes((count,), np.float32)

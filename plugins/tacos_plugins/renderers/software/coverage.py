@@ -123,10 +123,7 @@ def _find_several(
 def _find_differences(
     above: NDArray[np.int32], middle: NDArray[np.int32], below: NDArray[np.int32], differs: NDArray[np.int32]
 ) -> None:
-    """Fill in, for each two columns side by side of three rows (2 W + 1,), whether they differ: 0 if not.
-
-    The nine places of pixel x are columns 2 x to 2 x + 2, so that they differ where 2 x or 2 x + 1 does.
-    """
+    """Fill in, for each two columns side by side of three rows (2 W + 1,), whether they differ: 0 if not."""
     for x in range(len(differs)):
         here, following = middle[x], middle[x + 1]
         down = (above[x] ^ here) | (below[x] ^ here)

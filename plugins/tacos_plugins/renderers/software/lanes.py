@@ -1,7 +1,4 @@
-"""Room for loops that take several numbers at once, also of what is shorter.
-
-A loop over a short span is over before LLVM's wide instructions begin; one over whole lanes has no other.
-"""
+"""Room for loops that take several numbers at once, also of what is shorter."""
 
 from __future__ import annotations
 

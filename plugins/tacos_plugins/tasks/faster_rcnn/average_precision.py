@@ -35,8 +35,6 @@ class Detections:
 class AveragePrecision:
     """Average precision over all frames at one overlap, of each class and on average.
 
-    Keeps boxes, not frames: some kilobytes for a frame full of detections.
-
     - `classes`: names of the classes, numbered from 1.
     - `detections`: detections of a frame that are looked at, the most confident of each class.
     - `iou`: intersection over union from which a detection has found an object.

@@ -85,10 +85,7 @@ def frame_labels(
 
 
 def _runs(object_id: NDArray[np.int32]) -> tuple[NDArray[np.integer], ...]:
-    """Runs of equal ids along rows, first row first: row, first column, the column after the last, and id.
-
-    A frame of millions of pixels has some ten thousand of them.
-    """
+    """Runs of equal ids along rows, first row first: row, first column, the column after the last, and id."""
     height, width = object_id.shape
     begins = np.ones((height, width), dtype=bool)
     np.not_equal(object_id[:, 1:], object_id[:, :-1], out=begins[:, 1:])

@@ -13,10 +13,7 @@ POOLED_PX = (64, 32, 16, 8)
 
 
 class FeatureExtraction(nn.Module):
-    """Features at a quarter of the resolution; both images pass through the same one.
-
-    Entries carry the names of the published network.
-    """
+    """Features at a quarter of the resolution; both images pass through the same one."""
 
     def __init__(self, channels: int, *, align_corners: bool) -> None:
         super().__init__()

@@ -49,8 +49,6 @@ class VisualOdometry:
 
     An episode without a pair of frames of one walk has no scores.
 
-    Images are grey, coded for a display.
-
     Sources: Scaramuzza and Fraundorfer 2011, "Visual odometry"; Shi and Tomasi 1994, "Good features to
     track"; Nister 2004, "An efficient solution to the five-point relative pose problem".
     """
