@@ -104,7 +104,7 @@ class FocalLengthError:
 
 
 def _as_aligned(capture: ObservedCapture) -> tuple[float, float, float] | None:
-    """Scale and shift by which a picture aligns with its expectation; None where it hardly moves or does not."""
+    """Scale and shift by which a picture aligns with its expectation; None where it hardly moves."""
     if capture.own_edges or (matrix := aligned_with_expected(capture)) is None:
         return None
     centre = np.asarray(capture.geometry.centre_px, float)

@@ -149,7 +149,7 @@ def _fill(
     triangle: int,
     rows: tuple[int, int, int],
 ) -> None:
-    """Draw one triangle between two rows of the whole image; the third row is the first that is drawn into."""
+    """Draw one triangle between two rows of the whole image; the third row is the first drawn into."""
     begin_row, end_row, first_row = rows
     leftmost, rightmost = places[triangle, FIRST_COLUMN], places[triangle, LAST_COLUMN]
     along_x, along_y = levels[triangle, ALONG_X], levels[triangle, ALONG_Y]
