@@ -93,7 +93,7 @@ def test_motion_while_the_shutter_is_open(tmp_path):
 
 def test_a_board_is_not_compared_with_what_is_simulated_of_it(tmp_path):
     board = {"inner_corners": [9, 6], "square_mm": 25}
-    assert "flat: what is simulated is not used" in said(flat_folder(tmp_path, kind="board", board=board))
+    assert "flat: `simulated` is not used" in said(flat_folder(tmp_path, kind="board", board=board))
 
 
 def test_lossy_files(tmp_path):
