@@ -9,7 +9,7 @@ import pytest
 from tacos_framework.values import Exposure
 from tacos_plugins.renderers.analytic import AnalyticRenderer
 from tacos_worlds.bench.chessboard import Chessboard
-from tacos_worlds.bench.colour_chart import ColourChart, reflectances
+from tacos_worlds.bench.colour_chart import REFLECTANCES, ColourChart
 from tacos_worlds.bench.grey_bars import GreyBars
 from tacos_worlds.bench.light_box import LightBox
 from tacos_worlds.bench.slanted_edges import SlantedEdges
@@ -105,18 +105,29 @@ def test_the_patches_of_a_colour_chart_have_its_reflectances():
         for number, thing in enumerate(world.objects)
         if thing.class_name == "patch"
     }
-    assert list(seen) == list(reflectances())
-    for name, colour in reflectances().items():
+    assert list(seen) == list(REFLECTANCES)
+    for name, colour in REFLECTANCES.items():
         np.testing.assert_allclose(seen[name], colour, atol=1e-4)
 
 
+def test_the_table_of_the_colour_chart_is_that_of_colour_science():
+    import colour
+
+    chart = colour.CCS_COLOURCHECKERS["ColorChecker24 - After November 2014"]
+    xyz = colour.xyY_to_XYZ(np.array(list(chart.data.values())))
+    adapted = {"chromatic_adaptation_transform": "Bradford"}
+    rgb = np.clip(colour.XYZ_to_RGB(xyz, "sRGB", chart.illuminant, **adapted), 0, 1)
+    assert list(REFLECTANCES) == list(chart.data)
+    np.testing.assert_allclose(list(REFLECTANCES.values()), rgb, atol=1e-8)
+
+
 def test_the_greys_of_the_colour_chart_are_grey_and_its_red_is_red():
-    greys = list(reflectances().values())[-6:]
+    greys = list(REFLECTANCES.values())[-6:]
     for grey in greys:
         assert np.ptp(grey) < 0.06
     assert [round(grey[1], 2) for grey in greys] == sorted((round(g[1], 2) for g in greys), reverse=True)
     assert greys[0][1] == pytest.approx(0.9, abs=0.03)
-    red, green, blue = reflectances()["red"]
+    red, green, blue = REFLECTANCES["red"]
     assert red > 5 * green
     assert red > 5 * blue
 

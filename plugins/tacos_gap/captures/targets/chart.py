@@ -13,7 +13,7 @@ from tacos_gap.captures.capture import RealCapture
 from tacos_gap.captures.targets.chart_finder import FoundChart, read_as_chart
 from tacos_gap.captures.targets.chart_pixels import filter_of
 from tacos_gap.captures.targets.lattice import find_lattice
-from tacos_worlds.bench.colour_chart import reflectances
+from tacos_worlds.bench.colour_chart import REFLECTANCES
 
 NEUTRALS = slice(18, 24)
 """The patches from white to black."""
@@ -46,7 +46,7 @@ class ChartLight:
 @cache
 def reference_colours() -> NDArray[np.float64]:
     """(24, 3) linear sRGB reflectances of the patches in order; those out of gamut at a thousandth."""
-    return np.maximum(np.array(list(reflectances().values())), 1e-3)
+    return np.maximum(np.array(list(REFLECTANCES.values())), 1e-3)
 
 
 def find_chart(rgb: NDArray[np.floating]) -> FoundChart | None:
