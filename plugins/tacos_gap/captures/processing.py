@@ -7,6 +7,7 @@ family of effects fits a gap, files that bear such traces are its likeliest caus
 from __future__ import annotations
 
 from collections.abc import Sequence
+from warnings import catch_warnings, simplefilter
 
 import numpy as np
 
@@ -48,7 +49,10 @@ def _smoothing(capture: RealCapture) -> float | None:
     context = capture.context
     inside = (first > context.black_level_dn * 0.5) & (first < 0.95 * context.white_level_dn)
     noise = np.where(inside, first - second, np.nan)
-    noise = noise - np.nanmedian(noise) if inside.any() else noise
+    with catch_warnings():
+        simplefilter("ignore", RuntimeWarning)  # lines of nothing but clipped pixels
+        for axis in (1, 0):  # a lamp that flickers, and noise of lines, are no noise of pixels
+            noise = noise - np.nanmean(noise, axis=axis, keepdims=True)
     variance = float(np.nanmean(noise**2)) if inside.mean() > 0.2 else 0.0
     if variance / 2 < _LEAST_DN2:
         return None

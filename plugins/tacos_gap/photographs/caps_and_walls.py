@@ -42,6 +42,7 @@ class Evidence:
 
 def with_kinds_weighed(pictures: Sequence[Picture], given: Given) -> tuple[list[Picture], list[Guess]]:
     """Pictures, those without structure under the kind that most speaks for; and what was guessed of them."""
+    pictures = [_as_named(picture) for picture in pictures]
     found = dict(zip(pictures, pictures, strict=True))
     even = [p for p in pictures if p.shown.kind in ("dark", "flat") and p.name not in given.kinds]
     structured = [p for p in pictures if p.shown.kind not in ("dark", "flat")]
@@ -69,6 +70,15 @@ def with_kinds_weighed(pictures: Sequence[Picture], given: Given) -> tuple[list[
         for (what, kind), names in guesses.items()
     ]
     return list(found.values()), told
+
+
+def _as_named(picture: Picture) -> Picture:
+    """A picture that may be a wall, or a view with little in it, as a wall where its name says that."""
+    shown = picture.shown
+    if picture.facts.kind != "flat" or shown.kind != "scene" or not shown.doubt:
+        return picture
+    doubt = "taken for a wall, as its name or a table says; it is more uneven than walls are."
+    return replace(picture, shown=replace(shown, kind="flat", doubt=doubt))
 
 
 def _as(picture: Picture, kind: str) -> Picture:

@@ -40,6 +40,10 @@ _CLIPPED = 0.95
 _POWERS = (0.3, 3.0)
 """Local powers of tone curves, one over the other."""
 
+_PLATEAU, _LEAST_TOLD = 0.3, 0.03
+"""Share of a picture at its brightest from which on that is where light is cut off, and the least share that
+must be left of it to compare framings by."""
+
 _WORKING_PX = 1000
 _EVEN = 0.04
 """Departure from smooth shading, over the level, up to which a picture shows an even surface."""
@@ -135,8 +139,17 @@ def same_shading(first: Shown, second: Shown, *, through_a_curve: bool = False) 
 def same_framing(first: Shown, second: Shown) -> bool:
     """True if two pictures show the same view, however bright: their ranks agree, and nothing has moved."""
     dim = min(first.level, second.level) < DARK_SHARE
-    a, b = (_ranks(_averaged(each.thumbnail) if dim else each.thumbnail) for each in (first, second))
-    return float(np.corrcoef(a, b)[0, 1]) > 0.9
+    a, b = (_averaged(each.thumbnail) if dim else each.thumbnail for each in (first, second))
+    told = _below_a_plateau(a) & _below_a_plateau(b)
+    if told.mean() < _LEAST_TOLD:
+        return False
+    return float(np.corrcoef(_ranks(a[told]), _ranks(b[told]))[0, 1]) > 0.9
+
+
+def _below_a_plateau(thumbnail: NDArray[np.float32]) -> NDArray[np.bool_]:
+    """Parts that are not cut off at the top, where many are, wherever that is: they have no order."""
+    top = thumbnail >= 0.98 * float(thumbnail.max())
+    return ~top if top.mean() > _PLATEAU else np.ones(thumbnail.shape, bool)
 
 
 def _reduced(grey: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -51,6 +51,12 @@ def test_noise_that_was_smoothed_is_told_from_that_of_a_sensor(process):
     assert traces_of_processing([leaky]) == []
 
 
+def test_walls_under_a_lamp_that_flickers_are_not_smoothed():
+    rng = np.random.default_rng(5)
+    waves = [8 * np.sin(2 * np.pi * np.arange(SHAPE[0]) / 57 + phase)[:, None] for phase in (0.0, 2.0)]
+    assert traces_of_processing([made("flat", [rng.normal(120, 2, SHAPE) + wave for wave in waves])]) == []
+
+
 def test_halos_are_told_from_blur_and_noise():
     rng = np.random.default_rng(6)
     blurred = np.asarray(edge(5, 1.2, SHAPE), float)

@@ -7,7 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from scipy import ndimage
 
+from tacos_gap.photographs.caps_and_walls import with_kinds_weighed
+from tacos_gap.photographs.given import Given
 from tacos_gap.photographs.grouping import Stack, stacks_of
 from tacos_gap.photographs.picture import look_at
 
@@ -84,3 +87,32 @@ def test_a_bracket_of_a_wall_may_bend_and_clip(tmp_path, gamma, black_dn):
     )
     names = [files[0] for name, files in found if name == "view_1"]
     assert names == ["a_10ms", "b_20ms", "c_40ms", "d_80ms"]
+
+
+def test_a_view_that_is_cut_off_below_full_scale_stays_in_its_bracket(tmp_path):
+    """Nearly all of the last picture is at its top, which lies at 214 of 255."""
+    rng = np.random.default_rng(4)
+    view = np.abs(ndimage.gaussian_filter(rng.normal(size=(240, 320)), 9)) * 2000
+    found = []
+    for number, gain in enumerate((1.0, 2.0, 4.0, 8.0, 16.0)):
+        light = np.minimum(view * gain + 16 + rng.normal(0, 1, view.shape), 214)
+        path = tmp_path / f"desk_{2**number}ms.png"
+        Image.fromarray(np.rint(light).astype(np.uint8)).save(path)
+        found.append(look_at(path, None, None))
+    assert np.mean(np.asarray(Image.open(path)) == 214) > 0.7
+    assert [stack.kind for stack in stacks_of(found)] == ["bracket"] * 5
+
+
+def test_a_wall_under_a_lamp_that_flickers_is_a_wall_where_its_name_says_so(tmp_path):
+    rows = np.arange(240)[:, None]
+    light = 150 * (1 + 0.06 * np.sin(2 * np.pi * rows / 57)) + np.random.default_rng(4).normal(
+        0, 2, (240, 320)
+    )
+    kinds = {}
+    for name in ("wall_1", "IMG_1"):
+        path = tmp_path / name / f"{name}.png"
+        path.parent.mkdir()
+        Image.fromarray(np.rint(light).astype(np.uint8)).save(path)
+        (weighed,), _ = with_kinds_weighed([look_at(path, None, None)], Given())
+        kinds[name] = weighed.shown.kind
+    assert kinds == {"wall_1": "flat", "IMG_1": "scene"}

@@ -108,10 +108,11 @@ def find_print(dark: NDArray[np.float32]) -> Print | None:
     """The print of which a picture has this darkness; None where two tones do not explain it."""
     if min(dark.shape) < 4 * BORDER_PX:
         return None
-    part = _Spectrum.of(_with_most_ink(dark))
-    ink = np.percentile(part.dark, 99)
-    if ink <= 0 or np.mean(part.dark < _LIGHT * ink) < _LEAST_PAPER:
+    inked = _with_most_ink(dark)
+    ink = np.percentile(inked, 99)
+    if ink <= 0 or np.mean(inked < _LIGHT * ink) < _LEAST_PAPER:
         return None
+    part = _Spectrum.of(inked)
     glanced = {blur: part.fit(blur, (_MIDDLE,)) for blur in _coarse()}
     hopeful = sorted(glanced, key=lambda blur: glanced[blur])[:_HOPEFUL]
     tried = {blur: part.fit(blur, _THRESHOLDS) for blur in hopeful}

@@ -85,6 +85,13 @@ def test_grey_pictures_are_no_print():
     assert print_in(np.full((200, 200), 90.0, np.float32)) is None
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_small_smooth_texture_is_no_print(seed):
+    """The border that fades out is no paper: it is most of a small picture."""
+    texture = ndimage.gaussian_filter(np.random.default_rng(seed).random((120, 160)), 1.5)
+    assert print_in((30 + 190 * (texture - texture.min()) / np.ptp(texture)).astype(np.float32)) is None
+
+
 def test_a_capture_expects_sharp_print_and_says_nothing_of_its_place():
     kernel = disk(4).astype(float)
     picture = photographed(ndimage.convolve(page(), kernel / kernel.sum()))
