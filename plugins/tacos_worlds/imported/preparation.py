@@ -63,6 +63,7 @@ def survey(config: ImportedSettings, telling: Telling | None = None) -> Survey:
             metres_per_unit=config.metres_per_unit,
             leave_out=config.leave_out,
             most_px=_LARGEST_TEXTURE_PX,
+            glass=config.glass,
         )
     except UserError as error:
         raise UserError([*error.faults, *faults, *of_sky]) from error

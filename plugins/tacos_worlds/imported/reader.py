@@ -44,6 +44,7 @@ def read_world(
     metres_per_unit: float,
     leave_out: tuple[str, ...],
     most_px: int,
+    glass: Literal["clear", "solid"] = "clear",
 ) -> Read:
     """Read a file. Raises UserError with a fault for each thing that is wrong with it."""
     from tacos_worlds.kit.mesh_files import content_faults, read_model  # late: checks do without it
@@ -56,7 +57,7 @@ def read_world(
         for rule in rules
         if all(rule.matches(s.path) is None for s in model.surfaces)
     ]
-    model = without_clear(replace(model, surfaces=tuple(kept)))
+    model = without_clear(replace(model, surfaces=tuple(kept)), solid=glass == "solid")
     faults += content_faults(model, str(file))
     if faults:
         raise UserError(faults)

@@ -31,6 +31,11 @@ class ImportedSettings(CarriedSettings):
     leave_out: tuple[str, ...] = setting(
         (), help="Patterns of names of nodes that are not to be there, such as closed doors."
     )
+    glass: Literal["clear", "solid"] = setting(
+        "clear",
+        help="Panes that are mostly clear: left out, so that depth is that of what lies behind (clear), or "
+        "drawn opaque, so that depth and ids are theirs (solid).",
+    )
     up: Literal["auto", "x", "y", "z"] = setting(
         "auto", help="Axis of the file that points up: y in glTF; else auto takes that of the floors."
     )

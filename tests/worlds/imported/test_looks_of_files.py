@@ -366,6 +366,9 @@ def test_clear_surfaces_of_any_share_are_told_once(
     )
     assert model.notes[0].startswith(said)
     assert len(model.surfaces) == (share <= 0.5)
+    opaque = without_clear(read_model(file, most_px=64), solid=True)
+    assert len(opaque.surfaces) == 1
+    assert "drawn opaque" in opaque.notes[0]
 
 
 def test_unlit_materials_keep_what_was_photographed(tmp_path: Path) -> None:

@@ -26,14 +26,20 @@ _FAR = 1e6
 _ROUNDING = 1e-6
 
 
-def without_clear(model: Model) -> Model:
-    """The model without the surfaces that one sees through; those, and half clear ones, are told."""
+def without_clear(model: Model, *, solid: bool = False) -> Model:
+    """The model without the surfaces that one sees through; those, and half clear ones, are told.
+
+    `solid`: keep them all, opaque.
+    """
     used = [model.skins[surface.skin] for surface in model.surfaces]
     clear = sorted({skin.name for skin in used if skin.opacity < _LEAST_OPACITY})
     hazy = sorted({skin.name for skin in used if _LEAST_OPACITY <= skin.opacity < 1})
-    kept = tuple(s for s, skin in zip(model.surfaces, used, strict=True) if skin.opacity >= _LEAST_OPACITY)
+    kept = [
+        s for s, skin in zip(model.surfaces, used, strict=True) if solid or skin.opacity >= _LEAST_OPACITY
+    ]
+    left_out = "clear surfaces are left out: light, image and depth pass them"
     effects = (
-        (clear, "clear surfaces are left out: light, image and depth pass them"),
+        (clear, "clear surfaces are drawn opaque" if solid else left_out),
         (hazy, "half clear surfaces are drawn opaque"),
     )
     notes = (
@@ -41,7 +47,7 @@ def without_clear(model: Model) -> Model:
         for names, effect in effects
         if names
     )
-    return replace(model, surfaces=kept, notes=(*model.notes, *notes))
+    return replace(model, surfaces=tuple(kept), notes=(*model.notes, *notes))
 
 
 def cut_out(model: Model, most_triangles: int = 100_000) -> Model:
