@@ -191,8 +191,10 @@ def test_one_path_in_the_forms_of_other_programs_is_one_path(form: str, tmp_path
             lines.append(",".join(map(str, [stamp + 7, i, stamp, "base link", *p, *q])))
         text = "\n".join(lines)
     elif form == "nerf":
-        frames = [{"transform_matrix": (each @ np.diag([1, -1, -1, 1])).tolist()} for each in matrices]
-        text = json.dumps({"camera_angle_x": 0.7, "frames": frames})
+        origin = np.array([4e5, -5e6, 2.0])
+        near = [each - np.pad(origin[:, None], ((0, 1), (3, 0))) for each in matrices]
+        frames = [{"transform_matrix": (each @ np.diag([1, -1, -1, 1])).tolist()} for each in near]
+        text = json.dumps({"camera_angle_x": 0.7, "origin_m": origin.tolist(), "frames": frames})
     elif form == "colmap":
         lines = ["# Image list with two lines of data per image:"]
         for i, (turn, place) in enumerate(zip(turns, places, strict=True)):

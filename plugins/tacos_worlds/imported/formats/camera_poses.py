@@ -40,12 +40,14 @@ def colmap_poses(lines: list[str]) -> NDArray[np.float64] | None:
 def nerf_poses(text: str) -> NDArray[np.float64]:
     """(K, 4, 4) from cameras (x right, y down, z ahead) to the world, in the order of the file."""
     try:
-        frames = json.loads(text)["frames"]
-        poses = np.array([frame["transform_matrix"] for frame in frames], np.float64)
+        data = json.loads(text)
+        poses = np.array([frame["transform_matrix"] for frame in data["frames"]], np.float64)
+        origin_m = np.array(data.get("origin_m", (0, 0, 0)), np.float64).reshape(3)  # as our export has it
     except (ValueError, LookupError, TypeError, RecursionError) as error:
         raise Unreadable(f"it is JSON, but no transforms.json of NeRF ({error})") from error
     if poses.ndim != 3 or poses.shape[1:] not in ((4, 4), (3, 4)) or not np.isfinite(poses).all():
         raise Unreadable("its transform_matrix are not of 4 x 4 finite numbers")
     full = np.tile(np.eye(4), (len(poses), 1, 1))
     full[:, :3] = poses[:, :3]
+    full[:, :3, 3] += origin_m
     return np.asarray(full @ np.diag([1.0, -1, -1, 1]))
