@@ -72,7 +72,7 @@ def test_a_changed_prediction_is_refused(tmp_path: Path) -> None:
     made.write(path)
     assert read_prediction(path) == made
     path.write_text(path.read_text().replace('"value": 10.0', '"value": 12.0'))
-    with pytest.raises(UserError, match="not what was hashed"):
+    with pytest.raises(UserError, match="changed after it was hashed"):
         read_prediction(path)
     with pytest.raises(UserError, match="there is a prediction already"):
         made.write(path)

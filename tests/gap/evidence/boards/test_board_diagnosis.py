@@ -177,7 +177,7 @@ def test_an_unstated_focal_length_is_a_nuisance_and_never_a_cause(effects):
     unseen = board_capture("nothing there", focal_px=1333.0, unstated=captures[0].unstated)
     folder = boards_found(CaptureFolder(Path("captures"), (*captures, unseen)))
     assert folder.captures[0].geometry.focal_length_px == pytest.approx(FOCAL_PX, rel=0.01)
-    assert "the boards tell 1.6" in folder.limitations[-1]
+    assert "the boards give 1.6" in folder.limitations[-1]
     found = diagnosed(folder.captures, effects)
     assert [cause.effect for cause in found.causes] == ["lens-distortion"]
     assert found.causes[0].parameters["k1"].value == pytest.approx(-0.2, abs=0.02)
