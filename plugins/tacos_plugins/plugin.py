@@ -65,6 +65,10 @@ EFFECTS = {
         "defocus:Defocus",
         "Light spread over a disc: everywhere alike, or by focus, f-number and depth.",
     ),
+    "lens": (
+        "lens:Lens",
+        "Diffraction, depth of field and fall-off, by focal length, projection and f-number.",
+    ),
     "lens-blur": ("lens_blur:LensBlur", "A Gaussian that grows over the field, diffraction, or both."),
     "veiling-glare": ("veiling_glare:VeilingGlare", "A share of the light strays over the image."),
     "vignetting": (

@@ -27,6 +27,7 @@ from tacos_plugins.effects.focal_length_error import FocalLengthError
 from tacos_plugins.effects.illumination_gradient import IlluminationGradient
 from tacos_plugins.effects.jpeg import Jpeg
 from tacos_plugins.effects.lateral_chromatic_aberration import LateralChromaticAberration
+from tacos_plugins.effects.lens import Lens
 from tacos_plugins.effects.lens_blur import LensBlur
 from tacos_plugins.effects.lens_distortion import LensDistortion
 from tacos_plugins.effects.lens_shading_correction import LensShadingCorrection
@@ -105,6 +106,11 @@ class TestLensBlur(EffectConformance):
 class TestLensBlurByDiffraction(EffectConformance):
     component = LensBlur
     config = {"wavelength_nm": 2000.0}
+
+
+class TestLens(EffectConformance):
+    component = Lens
+    config = {"wavelength_nm": 550.0, "focus_m": 0.3, "out_of_focus": 1.0, "fall_off": 1.0}
 
 
 class TestMotionBlur(EffectConformance):
