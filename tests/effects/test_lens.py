@@ -74,7 +74,7 @@ def test_two_passes_have_the_transfer_of_the_whole(detail_px):
 
 
 def test_discs_are_those_of_a_thin_lens():
-    """50 mm at f/4 on pixels of 5 um, focused on 5 m: a wall at 4 m has a disc of f^2/N |1/s-1/Z| / (1-f/s)."""
+    """50 mm at f/4 on pixels of 5 um, focused on 5 m: at 4 m discs are f^2/N |1/s-1/Z| / (1-f/s) wide."""
     geometry = behind(Projection(), 97, 97, focal_length_px=1e4, pixel_um=5.0)
     lamp = np.zeros((1, 97, 97, 1))
     lamp[0, 48, 48] = 1.0

@@ -12,14 +12,14 @@ from tacos_framework import Camera, ImageContext, ImageGeometry, Settings, Stage
 from tacos_plugins.effects.blur import airy_transfer, kernel_of
 from tacos_plugins.effects.depth_of_field import blur_by_depth, signed_radius
 from tacos_plugins.effects.lens_light import relative_illumination
-from tacos_plugins.effects.slight_blur import SLIGHT_PX, blur_slightly, blur_in_two_passes
+from tacos_plugins.effects.slight_blur import SLIGHT_PX, blur_in_two_passes, blur_slightly
 
 _REACH_RINGS = 8.0
 """What spreads further, 1.5 % of the light, stays where it is."""
 
 _SHARP_PX = 0.1
-"""Discs of a smaller radius, and diffraction of finer detail, take less than 7 % of the contrast of the finest
-bars [px]."""
+"""Discs of a smaller radius, and diffraction of finer detail, take less than 7 % of the contrast of the
+finest bars [px]."""
 
 
 class Lens:
@@ -27,7 +27,7 @@ class Lens:
 
     Diffraction is that of a round aperture of the exposure's f-number. Discs out of focus are those of a thin
     lens, which is focused at its hyperfocal distance f^2 / (N c) + f unless `focus_m` says where. Light falls
-    off as `relative_illumination` has it: by cos^4 behind a rectilinear lens, and to 0 beyond the image circle.
+    off as `relative_illumination` has it: by cos^4 behind a rectilinear lens, to 0 beyond the image circle.
 
     All are those of a perfect lens; `effect.lens-blur` and `effect.vignetting` have what real ones add.
 

@@ -12,7 +12,7 @@ from tacos_plugins.effects.blur import blur
 from tacos_plugins.effects.disc import disc_kernel
 
 SLIGHT_PX = 2.0
-"""Radius up to which nearer things hardly reach over what lies behind them, so that layers are not needed [px]."""
+"""Radius up to which near things hardly reach over what lies behind, so that no layers are needed [px]."""
 
 _FINEST_PX = 0.4
 _PASSES = 2
