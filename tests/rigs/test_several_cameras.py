@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import ValidationError
 
+from tacos_framework.camera.geometry import agent_from_camera
 from tacos_framework.testing import RigConformance, TaskConformance
+from tacos_framework.testing.samples import sample_capture
+from tacos_framework.values import Camera, FrameBatch, Lens
 from tacos_plugins.rigs.front_back_sides import FrontBackSidesRig
 from tacos_plugins.rigs.ring import RingRig
 from tacos_plugins.rigs.several_cameras import Outlook, covered_deg
@@ -83,6 +87,55 @@ def test_too_few_pixels_to_the_degree_cover_nothing():
     rig = RingRig(RingRig.Config(binning=2)).build(ring(cameras=4, hfov_deg=90))  # 5.6 px/deg on the axis
     assert covered_share(rig.cameras, elevation_deg=10, least_px_per_deg=5) > 0.95
     assert covered_share(rig.cameras, elevation_deg=10, least_px_per_deg=12) == 0
+
+
+@pytest.mark.parametrize("half_field_deg", [60, 100])
+def test_a_fisheye_covers_all_directions_up_to_its_field(half_field_deg):
+    """A cap about the axis, of the band of a height of sin 80 deg to both sides, and 5 px/deg all over it."""
+    radius_px = 5 * half_field_deg
+    lens = Lens("equidistant", half_field_deg=half_field_deg)
+    focal_px = radius_px / np.radians(half_field_deg)
+    camera = Camera(
+        "fisheye",
+        2 * radius_px + 2,
+        2 * radius_px + 2,
+        pixel_um=1.0,
+        focal_length_mm=focal_px * 1e-3,
+        lens=lens,
+        agent_from_camera=agent_from_camera((0, 0, 0), 0),
+    )
+    share = covered_share([camera], elevation_deg=90, least_px_per_deg=0)
+    assert share == pytest.approx((1 - np.cos(np.radians(half_field_deg))) / 2, abs=0.01)
+    assert covered_share([camera], elevation_deg=90, least_px_per_deg=5.1) == 0
+
+
+def test_a_zone_is_covered_by_its_share_in_view():
+    """Of 1 to 3 m ahead and up to 3 m aside a camera of 90 deg sees what is farther ahead than aside."""
+    camera = Camera(
+        "c", 400, 4000, pixel_um=1.0, focal_length_mm=0.2, agent_from_camera=agent_from_camera((0, 0, 0), 0)
+    )
+    zone = ((1.0, 0.0, -0.2), (3.0, 3.0, 0.2))
+    assert covered_share([camera], 30, 0, zone=zone) == pytest.approx(4 / 6, abs=0.03)
+    with pytest.raises(ValidationError, match="least ahead, left and up first"):
+        SurroundCoverage.Config(zone=zone[::-1])
+
+
+def test_things_outside_the_zone_are_not_seen():
+    capture = sample_capture()
+    far, near = (
+        (
+            (0.1, -50.0, -50.0),
+            (1e3, 50.0, 50.0),
+        ),
+        ((0.01, -0.01, -0.01), (0.02, 0.01, 0.01)),
+    )
+    frames = FrameBatch(capture, tuple(np.zeros((*v.depth_m.shape, 1), np.uint8) for v in capture.views))
+    seen = []
+    for zone in (None, far, near):
+        scorer = SurroundCoverage(SurroundCoverage.Config(zone=zone, within_m=1e3)).begin(state=None)
+        scorer.update(frames)
+        seen.append(scorer.scores()["things_seen"])
+    assert seen[0] == seen[1] > seen[2] == 0
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from tacos_framework.camera import agent_from_camera, project
 from tacos_framework.errors import UserError
@@ -16,7 +17,13 @@ from tacos_framework.testing import TaskConformance
 from tacos_framework.testing.samples import sample_capture, sample_episode, sample_world
 from tacos_framework.values import Camera, Capture, FrameBatch, MeshPart, Object, Trajectory, View
 from tacos_plugins.tasks.fiducials.families import CLASS_NAME, cells_of, dictionary_of, tags_of
-from tacos_plugins.tasks.fiducials.sightings import Sighting, in_sight, range_m, scores_of
+from tacos_plugins.tasks.fiducials.sightings import (
+    Sighting,
+    in_field_of_work,
+    in_sight,
+    range_m,
+    scores_of,
+)
 from tacos_plugins.tasks.fiducials.task import Fiducials
 
 FAMILY = "apriltag_36h11"
@@ -95,8 +102,8 @@ def _drawn(image: np.ndarray, number: int, corners_m: np.ndarray, pose: np.ndarr
     return cv2.resize(drawn, image.shape[::-1], interpolation=cv2.INTER_AREA)
 
 
-def score(frames: FrameBatch):
-    scorer = Fiducials(Fiducials.Config()).begin(state=None)
+def score(frames: FrameBatch, **config):
+    scorer = Fiducials(Fiducials.Config(**config)).begin(state=None)
     scorer.update(frames)
     return scorer.scores()
 
@@ -159,3 +166,45 @@ def test_what_is_not_read_counts_as_badly_placed():
     assert scores["position"] == pytest.approx(0.5)
     assert scores["position_error"] == pytest.approx(0.001)
     assert scores_of([]) == {}
+
+
+def test_markers_out_of_view_are_missed_where_the_field_of_work_is_stated():
+    world = world_with((3, 12))  # the second .4 m to the left of the first
+    near, far = frames_of(world, [0.8]), frames_of(world, [0.3])
+    assert score(near, within_m=2)["read"] == score(near)["read"] == 1
+    assert score(far)["read"] == 1
+    assert score(far, within_m=2)["read"] == 0.5
+    assert score(far, within_m=2)["position"] < 0.6 * score(far)["position"] + 1e-9
+    assert score(frames_of(world, [0.8], hidden=True), within_m=2)["read"] == 0
+    assert score(near, within_m=0.1) == {}
+
+
+def test_what_hangs_behind_or_looks_away_is_not_in_the_field_of_work():
+    (tag,) = tags_of(world_with())
+    ahead, behind = agent_at(-1.0), agent_at(-1.0, yaw_deg=180)
+    assert in_field_of_work(tag, ahead[:3, 3], ahead, 2, 90)
+    assert not in_field_of_work(tag, ahead[:3, 3], ahead, 0.5, 90)
+    assert not in_field_of_work(tag, ahead[:3, 3], behind, 2, 90)
+    aside = agent_at(-1.0) @ agent_at(0.0, yaw_deg=60)
+    assert in_field_of_work(tag, ahead[:3, 3], aside, 2, 61)
+    assert not in_field_of_work(tag, ahead[:3, 3], aside, 2, 59)
+    assert not in_field_of_work(tag, agent_at(1.0)[:3, 3], agent_at(1.0, yaw_deg=180), 2, 90)  # its back
+
+
+def agent_at(x_m: float, *, yaw_deg: float = 0) -> np.ndarray:
+    pose = np.eye(4)
+    pose[:3, :3] = Rotation.from_euler("z", yaw_deg, degrees=True).as_matrix()
+    pose[0, 3] = x_m
+    return pose
+
+
+def test_a_number_that_is_read_elsewhere_is_not_the_marker():
+    frames = frames_of(world_with(), [0.8])
+    moved = np.roll(frames.images[0], 120, axis=2)
+    assert score(replace(frames, images=(moved,)))["read"] == 0
+
+
+def test_nothing_read_has_no_range():
+    frames = frames_of(world_with(), [0.8, 1.0])
+    blank = replace(frames, images=(np.full_like(frames.images[0], 90),))
+    assert score(blank) == {"read": 0, "range_m": 0, "position": 0}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -98,3 +99,35 @@ def test_one_camera_is_no_stereo_pair():
     stereo = VisualOdometry(VisualOdometry.Config(stereo=True))
     assert "the rig has one camera" in stereo.lacks(MONO)
     assert stereo.lacks(rig()) is None
+
+
+@pytest.mark.parametrize("stereo", [False, True])
+@pytest.mark.parametrize("blur_px", [0, 5], ids=["white", "coloured"])
+def test_motions_of_pure_noise_are_lost(stereo, blur_px):
+    frames = room_frames(walk(8))
+    rng = np.random.default_rng(2)
+    noise = [
+        np.stack([noise_image(rng, blur_px, image.shape[1:3]) for _ in range(len(image))])[..., None]
+        for image in frames.images
+    ]
+    scores = score(replace(frames, images=tuple(noise)), stereo=stereo)
+    assert scores["tracked"] == scores["rotation"] == scores["direction"] == 0
+
+
+def noise_image(rng: np.random.Generator, blur_px: int, shape: tuple[int, ...]) -> np.ndarray:
+    noise = rng.normal(0, 30, shape)
+    smooth = cv2.GaussianBlur(noise, (blur_px, blur_px), 0) if blur_px else noise
+    return np.clip(60 + smooth, 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize("stereo", [False, True])
+def test_dim_frames_of_a_true_walk_are_followed(stereo):
+    """A sixteenth of the contrast under noise of a quarter of that."""
+    frames = room_frames(walk(6))
+    rng = np.random.default_rng(3)
+    dim = [
+        np.clip(image / 16.0 + 20 + rng.normal(0, 1, image.shape), 0, 255).round().astype(np.uint8)
+        for image in frames.images
+    ]
+    scores = score(replace(frames, images=tuple(dim)), stereo=stereo)
+    assert scores["tracked"] == scores["within_1_deg"] == 1

@@ -28,11 +28,13 @@ BEHIND = 1.05
 
 @dataclass(frozen=True)
 class Sighting:
-    """A marker in sight of a frame: how far it is [m], whether it was read, and its error of position [m]."""
+    """A marker in sight of a frame: how far it is [m], whether it was read, its error of position [m], and
+    whether it is in the field of work."""
 
     distance_m: float
     read: bool
     off_m: float | None = None
+    in_field: bool = True
 
 
 def in_sight(
@@ -49,9 +51,32 @@ def in_sight(
     size = np.array([camera.width_px, camera.height_px])
     if not np.all((pixels >= -0.5) & (pixels < size - 0.5)):
         return None
+    along = middle[2] if camera.lens.is_rectilinear else np.linalg.norm(middle)  # as `View.depth_m` is
     column, row = np.rint(pixels[4]).astype(int)
-    hidden = depth_m[min(row, size[1] - 1), min(column, size[0] - 1)] * BEHIND < middle[2]
+    hidden = depth_m[min(row, size[1] - 1), min(column, size[0] - 1)] * BEHIND < along
     return None if hidden else float(np.linalg.norm(middle))
+
+
+def in_field_of_work(
+    tag: Tag, eye_m: Floats, world_from_agent: Floats, within_m: float, within_deg: float
+) -> bool:
+    """Whether a marker faces the camera at `eye_m`, is near enough and close enough to straight ahead.
+
+    Geometry alone, the same for every camera: what hangs behind a wall is in it, too.
+    """
+    away = tag.corners_m.mean(axis=0) - eye_m
+    distance_m = np.linalg.norm(away)
+    normal = np.cross(tag.corners_m[3] - tag.corners_m[0], tag.corners_m[1] - tag.corners_m[0])
+    ahead = away @ world_from_agent[:3, 0] >= math.cos(math.radians(within_deg)) * distance_m
+    return bool(normal @ away < 0 and ahead and distance_m <= within_m)
+
+
+def is_there(tag: Tag, corners_px: Floats, camera: Camera, world_from_camera: Floats) -> bool:
+    """Whether corners found lie about the marker's middle: noise reads as markers elsewhere now and then."""
+    camera_from_world = invert_pose(world_from_camera)
+    middle = camera_from_world[:3, :3] @ tag.corners_m.mean(axis=0) + camera_from_world[:3, 3]
+    place = pixels_of_rays(middle, camera).astype(np.float32)
+    return cv2.pointPolygonTest(corners_px.astype(np.float32), (float(place[0]), float(place[1])), False) >= 0
 
 
 def off_m(tag: Tag, corners_px: Floats, camera: Camera, world_from_camera: Floats) -> float | None:
@@ -78,8 +103,10 @@ def off_m(tag: Tag, corners_px: Floats, camera: Camera, world_from_camera: Float
 def range_m(sightings: Sequence[Sighting]) -> float:
     """Distance at which half of the markers are read, most likely by how many were at each distance.
 
-    Never beyond twice the farthest in sight, nor below half of the nearest.
+    Never beyond twice the farthest in sight, nor below half of the nearest; 0 where none is read.
     """
+    if not any(each.read for each in sightings):
+        return 0.0
     distances = np.array([each.distance_m for each in sightings])
     read = np.array([each.read for each in sightings])
     ranges = np.geomspace(distances.min() / 2, distances.max() * 2, 200)[:, None]
@@ -88,15 +115,23 @@ def range_m(sightings: Sequence[Sighting]) -> float:
     return float(ranges[likelihood.argmax(), 0])
 
 
-def scores_of(sightings: Sequence[Sighting]) -> Scores:
-    """The scores of `Fiducials`; none where no marker was in sight."""
-    if not sightings:
+def scores_of(sightings: Sequence[Sighting], *, missed: int = 0) -> Scores:
+    """The scores of `Fiducials`; none where no marker was to be read.
+
+    Parameters
+    ----------
+    missed
+        Markers of the field of work that were not in sight.
+    """
+    near = [each for each in sightings if each.in_field]
+    count = len(near) + missed
+    if not count:
         return {}
-    shares = [each.off_m / each.distance_m for each in sightings if each.off_m is not None]
+    shares = [each.off_m / each.distance_m for each in near if each.off_m is not None]
     scores: dict[str, float] = {
-        "read": sum(each.read for each in sightings) / len(sightings),
+        "read": sum(each.read for each in near) / count,
         "range_m": range_m(sightings),
-        "position": sum(grade(share, POSITION_SHARE) for share in shares) / len(sightings),
+        "position": sum(grade(share, POSITION_SHARE) for share in shares) / count,
     }
     if shares:
         scores["position_error"] = float(np.median(shares))

@@ -36,6 +36,10 @@ class Follower(Protocol):
         """The points of the first image that the second shows."""
         ...
 
+    def upside_down(self, grey: NDArray[np.uint8]) -> Marked:
+        """The image mirrored top to bottom: what `matches` finds there it finds by chance."""
+        ...
+
 
 @dataclass(frozen=True)
 class PatchFollower:
@@ -64,6 +68,9 @@ class PatchFollower:
         kept = found & returned & (np.linalg.norm(back - first.points_px, axis=1) < self.returns_px)
         return np.flatnonzero(kept), there[kept]
 
+    def upside_down(self, grey: NDArray[np.uint8]) -> Marked:
+        return Marked(np.empty((0, 2), np.float32), cv2.flip(grey, 0))
+
     def _followed(
         self, first: NDArray[np.uint8], second: NDArray[np.uint8], points_px: NDArray[np.float32]
     ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
@@ -91,6 +98,9 @@ class DescriptorFollower:
         found = match(ours, theirs)
         index = np.array([each.queryIdx for each in found], np.intp)
         return index, theirs.points_px[[each.trainIdx for each in found]].reshape(-1, 2)
+
+    def upside_down(self, grey: NDArray[np.uint8]) -> Marked:
+        return self.marked(np.asarray(cv2.flip(grey, 0), np.uint8))
 
 
 def _features(image: Marked) -> Features:

@@ -24,6 +24,9 @@ TIME_TOLERANCE_S = 1e-6
 
 WHERE = "task.visual-odometry"
 
+BEYOND_CHANCE = 4.0
+"""Standard errors by which more matches must agree than in an image that shows something else [1]."""
+
 
 class VisualOdometry:
     """Motion of the camera from frame to frame, estimated from its images, against the known poses.
@@ -46,6 +49,9 @@ class VisualOdometry:
         Share of the windows whose rotation is right within 1 deg.
     ``rotation_error_deg``, ``direction_error_deg``, ``drift``
         Medians of the errors; drift is in metres per metre. What is lost counts as 180 deg, or a drift of 1.
+
+    Corners of noise are followed too, and some of their motions agree. So each motion is looked for a second
+    time in the next frame upside down, and is lost unless significantly more matches agree in the true one.
 
     An episode without a pair of frames of one walk has no scores.
 
@@ -136,14 +142,20 @@ class VisualOdometry:
         return OdometryScorer(self.config)
 
 
+Placed = tuple[NDArray[np.intp], NDArray[np.float64]]
+"""(N,) indices of points of an image, and where they are in its camera's frame, (N, 3) [m]."""
+
+
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """A frame: its walk, time [s], true pose (4, 4), and the images of the camera, or of both."""
+    """A frame: its walk, time [s], true pose (4, 4), the images of the camera, or of both, and the first of
+    them upside down."""
 
     walk: int
     time_s: float
     world_from_camera: NDArray[np.float64]
     images: tuple[Marked, ...]
+    upside_down: Marked
 
 
 class OdometryScorer:
@@ -164,13 +176,13 @@ class OdometryScorer:
         cameras = [views[index].camera for index in chosen]
         points = follower(config.features, points=config.points, apart_px=config.apart * cameras[0].width_px)
         for at in range(len(frames.episode)):
+            grey = [np.asarray(frames.images[index][at, ..., 0], np.uint8) for index in chosen]
             moment = Moment(
                 int(frames.episode.walk[at]),
                 float(frames.episode.time_s[at]),
                 views[chosen[0]].world_from_camera[at],
-                tuple(
-                    points.marked(np.asarray(frames.images[index][at, ..., 0], np.uint8)) for index in chosen
-                ),
+                tuple(points.marked(image) for image in grey),
+                points.upside_down(grey[0]),
             )
             self._take(moment, points, cameras)
             self._last = moment
@@ -209,28 +221,55 @@ class OdometryScorer:
         truth: NDArray[np.float64],
     ) -> NDArray[np.float64] | None:
         """(4, 4) second_from_first [m]; with one camera its length is that of the truth."""
-        config, left = self._config, cameras[0]
-        consensus = seeded(threshold_px=config.threshold_px, confidence=config.confidence, seed=config.seed)
-        index, seen_px = points.matches(first.images[0], second.images[0])
-        before, after = rays_of_pixels(first.images[0].points_px[index], left), rays_of_pixels(seen_px, left)
-        if config.stereo:
-            right = cameras[1]
-            both, right_px = points.matches(first.images[0], first.images[1])
-            _, of_left, of_right = np.intersect1d(index, both, return_indices=True)
-            left_from_right = invert_pose(left.agent_from_camera) @ right.agent_from_camera
-            tolerance_rad = config.threshold_px / left.focal_length_px
-            placed, valid = triangulated(
-                before[of_left], rays_of_pixels(right_px[of_right], right), left_from_right, tolerance_rad
-            )
-            found = motion_of_points(placed[valid], after[of_left][valid], left.focal_length_px, consensus)
-        else:
-            found = motion_between(before, after, left.focal_length_px, consensus)
-        if found is None or np.count_nonzero(found[1]) < config.least_inliers:
+        config = self._config
+        placed = self._placed(first, points, cameras) if config.stereo else None
+        found = self._motion(first, second.images[0], points, cameras[0], placed)
+        if found is None or found[1] < config.least_inliers:
+            return None
+        by_chance = self._motion(first, second.upside_down, points, cameras[0], placed)
+        if not is_beyond_chance(found[1], 0 if by_chance is None else by_chance[1]):
             return None
         motion = found[0]
         if not config.stereo:
             motion[:3, 3] *= np.linalg.norm(truth[:3, 3])
         return motion
+
+    def _motion(
+        self, first: Moment, second: Marked, points: Follower, camera: Camera, placed: Placed | None
+    ) -> tuple[NDArray[np.float64], int] | None:
+        """The motion that most matches agree with, and how many."""
+        config = self._config
+        consensus = seeded(threshold_px=config.threshold_px, confidence=config.confidence, seed=config.seed)
+        index, seen_px = points.matches(first.images[0], second)
+        after = rays_of_pixels(seen_px, camera)
+        if placed is None:
+            before = rays_of_pixels(first.images[0].points_px[index], camera)
+            found = motion_between(before, after, camera.focal_length_px, consensus)
+        else:
+            _, seen, of_placed = np.intersect1d(index, placed[0], return_indices=True)
+            found = motion_of_points(placed[1][of_placed], after[seen], camera.focal_length_px, consensus)
+        return None if found is None else (found[0], int(np.count_nonzero(found[1])))
+
+    def _placed(self, first: Moment, points: Follower, cameras: list[Camera]) -> Placed:
+        """Points of the first image that both cameras see."""
+        left, right = cameras
+        index, right_px = points.matches(*first.images)
+        places, valid = triangulated(
+            rays_of_pixels(first.images[0].points_px[index], left),
+            rays_of_pixels(right_px, right),
+            invert_pose(left.agent_from_camera) @ right.agent_from_camera,
+            self._config.threshold_px / left.focal_length_px,
+        )
+        return index[valid], places[valid]
+
+
+def is_beyond_chance(agreeing: int, by_chance: int) -> bool:
+    """Whether one of two Poisson counts is larger by more than `BEYOND_CHANCE` standard errors.
+
+    >>> [is_beyond_chance(*counts) for counts in ((127, 125), (300, 20), (16, 0))]
+    [False, True, False]
+    """
+    return agreeing - by_chance > BEYOND_CHANCE * (agreeing + by_chance) ** 0.5
 
 
 def _chained(steps: list[Any]) -> NDArray[np.float64]:
