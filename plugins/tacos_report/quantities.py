@@ -7,11 +7,11 @@ from typing import Any
 
 _UNIT_SIGNS = {
     "deg": "°", "um": "µm", "um2": "µm²", "1": "", "percent": "%", "cd_m2": "cd/m²", "e": "e⁻", "e_s": "e⁻/s",
-    "mw": "mW", "w": "W", "usd": "USD", "eur": "EUR", "hz": "Hz", "fps": "frames/s",
+    "mw": "mW", "w": "W", "usd": "USD", "eur": "EUR", "hz": "Hz", "fps": "frames/s", "us": "µs",
 }  # fmt: skip
 _UNIT_SUFFIXES = (
     "deg", "mm", "um", "m", "px", "db", "lux", "s", "ms", "percent", "e", "mw", "w", "g", "usd", "eur",
-    "hz", "fps",
+    "hz", "fps", "us",
 )  # fmt: skip
 _WORDS = {
     "hfov_deg": "Horizontal field of view",
@@ -38,6 +38,8 @@ _WORDS = {
     "sensor_binning": "Binning",
     "roi_width": "Share of the width read out",
     "roi_height": "Share of the height read out",
+    "pixel_rate_mpx_s": "Pixel rate",
+    "bandwidth_mbit_s": "Bandwidth",
     "fitness": "Fitness",
 }
 _NARROW_SPACE = "\u202f"

@@ -17,6 +17,7 @@ from tacos_framework.plan.notes import (
     inadmissible,
     notes_on_bounds,
     notes_on_camera,
+    notes_on_catalogs,
     notes_on_constraints,
     notes_on_noise,
     notes_on_search,
@@ -150,12 +151,7 @@ class Outcome:
             )
         if trainings := max(search.trained_best for search in self.searches):
             yield f"Before the test, the trainable tasks were trained {trainings} times more on each camera."
-        for variable in self.plan.space.as_data():
-            if left_out := variable.get("left_out"):
-                yield (
-                    f"Left out, as {', '.join(map(in_words, variable['columns']))} are not all published: "
-                    f"{', '.join(left_out)} ({variable['catalog']})."
-                )
+        yield from notes_on_catalogs(self.plan)
         if full := full_scores(self._spreads):
             yield full
         if self.test and any(optional(node.cls, SceneBase, "one_world") for node in self.plan.nodes.values()):

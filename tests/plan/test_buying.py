@@ -69,3 +69,20 @@ def test_walks_without_pairs_of_frames_name_no_camera(tmp_path: Path) -> None:
     assert result["best"] is None
     assert "No camera could be scored, so none is named" in result["decision_absent"]
     assert "ranking" not in result
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "buy_headset",
+        pytest.param("buy_drone", marks=pytest.mark.slow),
+        pytest.param("buy_warehouse_tags", marks=pytest.mark.slow),
+    ],
+)
+def test_darkness_names_no_camera_and_asks_for_light(name: str, tmp_path: Path) -> None:
+    dark = {"scenario.illumination_lux": 1e-6, "nodes.world.frames": 4, "nodes.capture.light_texel_m": 0.4}
+    result = small_run(name, tmp_path / "out", **dark)
+    assert "score zero: the tasks see nothing" in result["degenerate"]
+    assert "Give more light" in result["degenerate"]
+    assert result["decision"] is None
+    assert "ranking" not in result
