@@ -26,16 +26,18 @@ settings.load_profile("untimed")
 collect_ignore = ["fuzz/harness.py"]  # run by hand: needs atheris
 
 LONGEST_FIRST = (
-    "testing/test_default_plugins.py",
     "study/test_resume.py",
-    "third_party/test_example_plugin.py",
+    "procedure/test_calibrate_camera.py",
     "docs/test_tutorials.py",
-    "gap/test_real_data.py",
-    "gap/test_diagnosis.py",
-    "docs/test_readme.py",
+    "testing/test_default_plugins.py",
+    "gap/answer/test_diagnosis.py",
     "cli/test_run.py",
+    "decision/test_ends_of_studies.py",
+    "third_party/test_example_plugin.py",
+    "validation/test_studies_table.py",
+    "fuzz/test_damaged_texts.py",
     "docs/test_pages.py",
-    "procedure/test_studies_table.py",
+    "worlds/imported/test_imported_scene.py",
 )
 """Files of more than 25 s, which run first: a long file that comes last leaves one of two processes idle."""
 
@@ -52,9 +54,19 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 @pytest.fixture(scope="session")
 def toys() -> Plugins:
-    """The installed plugins and the toys, without the analysis of studies, which takes a second for each."""
+    """The installed plugins and the toys, without analysis and report, which take seconds for each study."""
+    return _toys_without("decision", "report")
+
+
+@pytest.fixture(scope="session")
+def reporting_toys() -> Plugins:
+    """The installed plugins and the toys, without the analysis of studies."""
+    return _toys_without("decision")
+
+
+def _toys_without(*names: str) -> Plugins:
     plugins = Plugins.discover()
-    plugins.offers._plugins = [plugin for plugin in plugins.offers._plugins if plugin.name != "decision"]
+    plugins.offers._plugins = [plugin for plugin in plugins.offers._plugins if plugin.name not in names]
     plugins.register(toy_plugin)
     return plugins
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from tacos_framework.catalog.parts import Catalog
-from tacos_framework.catalog.reader import CAMERAS, read_catalog
+from tacos_framework.catalog.reader import CAMERAS, once_per_version, read_catalog
 from tacos_framework.errors import Fault, UserError, did_you_mean
 from tacos_framework.packaged_resources import find_file, shipped_folder
 from tacos_framework.settings import Settings, check, setting
@@ -81,6 +81,10 @@ def camera_names(catalog: str | Path = "cameras", folder: Path | None = None) ->
 
 def _read(catalog: str | Path, folder: Path | None) -> tuple[Document, dict[str, OffTheShelf]]:
     path = find_file(catalog, shipped_folder("catalogs"), folder=folder, noun="catalog of cameras")
+    return once_per_version(path, _cameras_of)
+
+
+def _cameras_of(path: Path) -> tuple[Document, dict[str, OffTheShelf]]:
     document = read_yaml(path)
     data = document.data
     has_rows = isinstance(data, dict) and "parts" in data

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 from pydantic import ConfigDict
 
@@ -25,6 +26,7 @@ SIZES = ("width_mm", "height_mm", "pixel_um")
 CAMERAS = "cameras"
 """The catalog of whole cameras: its name, and the key of those that fix variables of a rig."""
 
+_Read = TypeVar("_Read")
 _ROWS = ("parts", CAMERAS)
 _RELATIVE_UNITS = ("%", "dB")
 
@@ -112,6 +114,24 @@ def read_catalog(path: Path) -> Catalog:
 
     Raises `UserError` with every fault that can be found in one pass.
     """
+    return once_per_version(path, _read)
+
+
+def once_per_version(path: Path, read: Callable[[Path], _Read]) -> _Read:
+    """What `read` makes of a file, kept until the file changes: a study asks for one catalog many times."""
+    try:
+        stat = path.stat()
+    except OSError:
+        return read(path)  # which says what is wrong
+    return _kept(path, stat.st_mtime_ns, stat.st_size, read)  # type: ignore[no-any-return]
+
+
+@lru_cache(maxsize=32)
+def _kept(path: Path, _mtime_ns: int, _size: int, read: Callable[[Path], Any]) -> Any:
+    return read(path)
+
+
+def _read(path: Path) -> Catalog:
     if path.suffix.lower() == ".csv":
         return _from_csv(path)
     return _from_yaml(path.stem, read_yaml(path))
