@@ -45,7 +45,7 @@ _HOMES = {
 
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
 
-__all__ = [*_HOME_OF]  # noqa: PLE0604 - all of them are text
+__all__ = [*_HOME_OF, "plot"]  # noqa: PLE0604 - all of them are text
 
 
 if not TYPE_CHECKING:  # what is not above is an error to type checkers

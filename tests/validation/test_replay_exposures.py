@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 
 from tacos_framework import UserError
+from tacos_validation.exposures_replayed.emulation import Replay
 from tacos_worlds.recorded.motion import Motion, blurred
+from tacos_worlds.recorded.noise import LinearNoise
 from tacos_worlds.recorded.reader import read_recording
-from tacos_worlds.recorded.response import estimated_response
+from tacos_worlds.recorded.recording import ExposedFrames, Recording
+from tacos_worlds.recorded.response import estimated_response, linear_response
 
 STEP_NS = 100_000_000
 
@@ -72,3 +75,18 @@ def test_blur_along_the_path_is_the_mean_over_the_longer_exposure() -> None:
     found = blurred(source, Motion(np.zeros(1), velocity), middle_s=0.0, own_ms=1, wanted_ms=8, mosaic=1)
     expected = np.mean([np.sin((columns - shift) / 6) for shift in np.arange(8) - 3.5], axis=0)
     np.testing.assert_allclose(found[32, 16:-16], expected[16:-16], atol=0.01)
+
+
+@pytest.mark.parametrize(("row", "column"), [(0, 0), (0, 1), (1, 1)])
+def test_highlights_that_one_colour_clips_are_clipped_further_in_all(row: int, column: int) -> None:
+    codes = np.tile(np.linspace(100, 3000, 96), (1, 96, 1)).astype(np.uint16)
+    codes[:, row::2, column::2][..., 32:] = 3978  # full photosites, below the largest code
+    exposures = {f"{ms}": ExposedFrames(float(ms), np.zeros(1), codes) for ms in (1, 2)}
+    recording = Recording(exposures, 12, linear_response(4095), "linear")
+    still = Motion(np.zeros(1), np.zeros((1, 48, 48, 2), np.float32))
+    replay = Replay(recording, "2", "1", recording.light("2"), LinearNoise(0.0, 0.0), still, 0.0, 2)
+    assert "highlights" in replay.lacks()
+    as_is, clipped = (next(replay.frames(np.random.default_rng(0), lack)) for lack in (None, "highlights"))
+    others = np.ones((96, 96), bool)
+    others[row::2, column::2] = False
+    assert (clipped < as_is)[others].any()

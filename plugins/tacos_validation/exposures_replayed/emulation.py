@@ -52,7 +52,8 @@ class Replay:
         target = self.recording.exposures[self.target]
         clip_dn = np.inf
         if doubled == "highlights":
-            clip_dn = float(np.quantile(self.light_dn[:, ::4, ::4], max(0.0, 1 - 2 * self.clipped)))
+            every_colour = self.light_dn[:, ::3, ::3]
+            clip_dn = float(np.quantile(every_colour, max(0.0, 1 - 2 * self.clipped)))
         for index, light_dn in enumerate(self.light_dn):
             light_dn = np.minimum(light_dn, np.float32(clip_dn))
             at = min(index, len(target.stamp_s) - 1)

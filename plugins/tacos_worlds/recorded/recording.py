@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from tacos_worlds.recorded.response import Response
 
-_TOP = 0.99
-"""Share of the largest code from which on samples count as clipped."""
+_TOP = 0.96
+"""Share of the largest code from which on samples count as clipped: a colour may fill its photosites below
+the largest code, and noise spreads it there."""
 _MOSAIC = 1.03
 """Ratio of brightnesses under different colour filters, at least."""
 
