@@ -123,7 +123,7 @@ def once_per_version(path: Path, read: Callable[[Path], _Read]) -> _Read:
         stat = path.stat()
     except OSError:
         return read(path)  # which says what is wrong
-    return _kept(path, stat.st_mtime_ns, stat.st_size, read)  # type: ignore[no-any-return]
+    return _kept(path, stat.st_mtime_ns, stat.st_size, read)
 
 
 @lru_cache(maxsize=32)

@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import Any
 
 from tacos_framework import __version__
-from tacos_framework.catalog import in_words
 from tacos_framework.contracts import SceneBase, TaskBase, optional
 from tacos_framework.fitness import standard_errors
 from tacos_framework.plan import Plan
