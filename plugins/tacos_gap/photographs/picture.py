@@ -99,12 +99,34 @@ def middle_of(image: NDArray[np.generic]) -> float:
 
     The median itself where half is cut off at 0.
     """
-    values = np.asarray(image, np.float64)
-    middle = float(np.median(values))
+    values, counts = _counted(image)
+    middle = _median_of(values, counts)
     if middle <= 0:
         return middle
-    spread = max(1.4826 * float(np.median(np.abs(values - middle))), 1.0)
-    return float(np.mean(values[np.abs(values - middle) <= 4 * spread]))
+    apart = np.abs(values - middle)
+    spread = max(1.4826 * _median_of(apart, counts), 1.0)
+    inside = apart <= 4 * spread
+    return float(np.average(values[inside], weights=counts[inside]))
+
+
+def _counted(image: NDArray[np.generic]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Values that occur, in order, and how often each does; codes are counted rows at a time, to save memory."""
+    if image.dtype.kind != "u" or image.dtype.itemsize > 2:
+        values, counts = np.unique(np.asarray(image, np.float64), return_counts=True)
+        return values, counts
+    codes = int(image.max()) + 1
+    of_all = np.zeros(codes, np.int64)
+    for rows in np.array_split(image, max(1, image.size >> 20)):
+        of_all += np.bincount(rows.ravel(), minlength=codes)
+    found = np.flatnonzero(of_all)
+    return found.astype(np.float64), of_all[found]
+
+
+def _median_of(values: NDArray[np.float64], counts: NDArray[np.int64]) -> float:
+    order = np.argsort(values)
+    before = np.cumsum(counts[order])
+    middles = np.searchsorted(before, [(before[-1] - 1) // 2, before[-1] // 2], side="right")
+    return float(values[order][middles].mean())
 
 
 def bits_of(largest_dn: float, sample: str) -> int:

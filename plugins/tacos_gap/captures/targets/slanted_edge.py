@@ -33,7 +33,7 @@ class SlantedEdge:
 
     def distance_px(self, shape: tuple[int, int]) -> NDArray[np.float64]:
         """(H, W) signed distance of pixel centres, positive on the bright side [px]."""
-        y, x = np.mgrid[: shape[0], : shape[1]]
+        y, x = np.ogrid[: shape[0], : shape[1]]
         return np.asarray(self.normal[0] * x + self.normal[1] * y - self.offset_px)
 
 
@@ -202,9 +202,11 @@ def _side(
 ) -> NDArray[np.float64]:
     """(H, W) one side of an edge as smooth as lenses and lamps make it, of second order."""
     height, width = image.shape
-    y, x = np.mgrid[-1 : 1 : height * 1j, -1 : 1 : width * 1j]
-    terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y])
+    y, x = np.linspace(-1, 1, height), np.linspace(-1, 1, width)
     used = side & near
-    of_side = terms[:, used]
-    factors = np.linalg.solve(of_side @ of_side.T + 1e-6 * used.sum() * np.eye(6), of_side @ image[used])
-    return np.asarray(np.tensordot(factors, terms, axes=1))
+    rows, columns = np.nonzero(used)
+    v, u = y[rows], x[columns]
+    terms = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v])
+    a, b, c, d, e, f = np.linalg.solve(terms @ terms.T + 1e-6 * len(u) * np.eye(6), terms @ image[used])
+    down = y[:, None]
+    return np.asarray((a + b * x + d * x * x) + down * (c + e * x) + f * down * down)
