@@ -19,10 +19,12 @@ def differences(before: Any, now: Any, name: str = "") -> Iterator[str]:
 
     Examples
     --------
-    >>> before = {"seed": 7, "study": {"episodes": 2}, "effects": [{"use": "effect.jpeg"}]}
-    >>> list(differences(before, {"seed": 8, "study": {"episodes": 2, "blocks": 3}, "effects": []}))
-    ['effects.0 was {"use": "effect.jpeg"}, and is not given', 'seed was 7, and is 8 now', \
-    dy.blocks was not given, and is 3 now']
+    >>> before = {"seed": 7, "effects": [{"use": "effect.jpeg"}]}
+    >>> for sentence in differences(before, {"seed": 8, "effects": [], "study": {"blocks": 3}}):
+    ...     print(sentence)
+    effects.0 was {"use": "effect.jpeg"}, and is not given
+    seed was 7, and is 8 now
+    study was not given, and is {"blocks": 3} now
     """
     if before == now:
         return

@@ -160,7 +160,7 @@ def test_a_score_that_is_the_same_for_all_cameras_is_told_to_decide_nothing(tmp_
     monkeypatch.setattr(toy_plugin.WidthScorer, "scores", lambda self: {**scores(self), "brightness": 1.0})
     terms = [{"score": "width.closeness", "weight": 1}, {"score": "width.brightness", "weight": 2}]
     result = run(small(fitness=terms), with_toys(tacos_decision.plugin), tmp_path / "out")
-    (note,) = (note for note in result["notes"] if "cameras of the test apart" in note)
+    (note,) = (note for note in result["notes"] if "the cameras of the test:" in note)
     assert "width.brightness (at 1, 0 % of its variance)" in note
     assert result["scores"]["width.brightness"] == {"share_of_variance": 0.0, "full": True}
 
