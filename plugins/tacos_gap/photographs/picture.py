@@ -110,7 +110,7 @@ def middle_of(image: NDArray[np.generic]) -> float:
 
 
 def _counted(image: NDArray[np.generic]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Values that occur, in order, and how often each does; codes are counted rows at a time, to save memory."""
+    """Values that occur, in order, and how often each does; codes are counted some rows at a time."""
     if image.dtype.kind != "u" or image.dtype.itemsize > 2:
         values, counts = np.unique(np.asarray(image, np.float64), return_counts=True)
         return values, counts
