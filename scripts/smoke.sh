@@ -20,7 +20,7 @@ cd "$root"
 echo "[smoke] $("$python" --version), $resolution versions"
 VIRTUAL_ENV="$venv" "$venv/bin/uv" pip install --quiet --resolution "$resolution" \
     --editable '.[testing,optuna,fronts,frames,raw,export]' --editable plugins/tacos_validation \
-    'hypothesis>=6.100' 'jsonschema>=4.20'
+    'hypothesis>=6.100' 'jsonschema>=4.20' 'colour-science>=0.4.6'
 
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 LP_NUM_THREADS=1
 "$venv/bin/python" -m pytest -q -o filterwarnings=default -p no:cacheprovider \
