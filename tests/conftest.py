@@ -66,7 +66,10 @@ def reporting_toys() -> Plugins:
 
 def _toys_without(*names: str) -> Plugins:
     plugins = Plugins.discover()
-    plugins.offers._plugins = [plugin for plugin in plugins.offers._plugins if plugin.name not in names]
+    offers = plugins.offers
+    for plugin in [plugin for plugin in offers._plugins if plugin.name in names]:
+        offers._plugins.remove(plugin)
+        offers._manager.unregister(plugin.hooks)  # or its hooks would answer for each plugin that stays
     plugins.register(toy_plugin)
     return plugins
 

@@ -46,9 +46,9 @@ def asked(path: Path, **settings: Any) -> ProcedureRecipe:
 
 
 @pytest.fixture(scope="module")
-def compared(study, toys, tmp_path_factory) -> tuple[dict[str, Any], Path]:
+def compared(study, reporting_toys, tmp_path_factory) -> tuple[dict[str, Any], Path]:
     out = tmp_path_factory.mktemp("compared") / "out"
-    return run(asked(study), out=out, plugins=toys), out
+    return run(asked(study), out=out, plugins=reporting_toys), out
 
 
 def test_each_variant_runs_with_each_seed_and_is_left_whole(compared):

@@ -78,10 +78,10 @@ def asked(path: Path, **settings: Any) -> ProcedureRecipe:
 
 
 @pytest.fixture(scope="module")
-def tabled(problem, toys, tmp_path_factory) -> tuple[dict[str, Any], Path]:
+def tabled(problem, reporting_toys, tmp_path_factory) -> tuple[dict[str, Any], Path]:
     """A table that several tests look at: its result and its folder."""
     out = tmp_path_factory.mktemp("tabled") / "out"
-    return run(asked(problem, seeds=2), out=out, plugins=toys), out
+    return run(asked(problem, seeds=2), out=out, plugins=reporting_toys), out
 
 
 @pytest.fixture(scope="module")
