@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -69,7 +69,3 @@ class Catalog:
                 return row
         remedy = did_you_mean(name, (row.name for row in self.rows))
         raise ValueError(f"catalog {self.name} has no part {name!r}. {remedy}")
-
-    def rows_knowing(self, columns: Sequence[str]) -> tuple[CatalogPart, ...]:
-        """The rows whose value is known in all of these columns: those that can be designed with."""
-        return tuple(row for row in self.rows if all(row.values.get(name) is not None for name in columns))

@@ -158,9 +158,9 @@ def test_prices_in_two_currencies_are_added_by_the_stated_rate_alone(rate, euros
 
 def test_every_product_that_can_be_chosen_shows_the_field_its_maker_states() -> None:
     built = 0
-    for row in PRODUCTS.rows_knowing(PRODUCTS.design_columns):
+    for row in PRODUCTS.rows:
         rig = {"mono": MonocularRig, "stereo": StereoRig}.get(str(row["kind"]))
-        if rig is None:
+        if rig is None or None in map(row.values.get, PRODUCTS.design_columns):
             continue
         variables = rig.Variables(camera=row)
         camera = rig(rig.Config()).build(variables).cameras[0]

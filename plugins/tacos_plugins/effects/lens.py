@@ -31,16 +31,12 @@ class Lens:
 
     All are those of a perfect lens; `effect.lens-blur` and `effect.vignetting` have what real ones add.
 
-    References
-    ----------
-    Goodman 2005, "Introduction to Fourier Optics", Sec. 6.3; Potmesil and Chakravarty 1981, "A lens and
-    aperture camera model for synthetic image generation", SIGGRAPH; Ray 2002, "Applied photographic optics",
-    on hyperfocal distances.
+    Sources: Goodman 2005, "Introduction to Fourier Optics", Sec. 6.3; Potmesil and Chakravarty 1981, "A lens
+    and aperture camera model for synthetic image generation", SIGGRAPH; Ray 2002, "Applied photographic
+    optics", on hyperfocal distances.
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         wavelength_nm: float | None = setting(
             550.0, help="Wavelength of diffraction; null is none.", unit="nm", ge=100, le=20000
         )

@@ -25,15 +25,10 @@ def relative_illumination(geometry: ImageGeometry, power: float = 1.0) -> NDArra
     degrees: A is taken as constant, and an equisolid image is as bright everywhere. Distortion counts, but
     for its tangential part.
 
-    Parameters
-    ----------
-    power
-        Of the whole [1].
+    `power`: of the whole [1].
 
-    References
-    ----------
-    Kingslake 1992, "Optics in Photography", ch. 7, on cos^4; Kumler and Bauer 2000, "Fish-eye lens designs
-    and their relative performance", SPIE 4093, on pupils of fisheyes.
+    Sources: Kingslake 1992, "Optics in Photography", ch. 7, on cos^4; Kumler and Bauer 2000, "Fish-eye lens
+    designs and their relative performance", SPIE 4093, on pupils of fisheyes.
     """
     lens = geometry.lens
     angle = lens.angle(geometry.radius * geometry.half_diagonal_px / geometry.focal_length_px)

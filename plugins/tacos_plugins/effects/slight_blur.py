@@ -27,17 +27,8 @@ def blur_slightly(light: NDArray[np.floating], radius_px: NDArray[np.floating]) 
     Discs between two widths are mixtures of these with the right variance, so that what is sharp beside an
     edge in depth stays so.
 
-    Parameters
-    ----------
-    light
-        (N, H, W, C) float32 or float64.
-    radius_px
-        (N, H, W) radius of each pixel's disc; negative before the focus [px].
-
-    Returns
-    -------
-    NDArray
-        Same shape and dtype.
+    `light`: (N, H, W, C) float32 or float64. `radius_px`: (N, H, W) radius of each pixel's disc; negative
+    before the focus [px].
     """
     square = np.asarray(radius_px**2, light.dtype)[..., None]
     steps = [math.sqrt(float(square.max()))]
