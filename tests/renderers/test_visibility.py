@@ -43,6 +43,7 @@ def met(corners):
     depth, number, unsure = np.full(SHAPE, np.inf), np.zeros(SHAPE, int), np.zeros(SHAPE, bool)
     for index, (a, b, c) in enumerate(np.asarray(corners, np.float64), start=1):
         normal = np.cross(b - a, c - a)
+        edge_on = np.abs(ray @ normal) < 1e-3 * np.linalg.norm(normal)  # a hair's breadth is metres of depth
         with np.errstate(divide="ignore", invalid="ignore"):
             z = (normal @ a) / (ray @ normal)
             point = ray * z[..., None]
@@ -50,7 +51,7 @@ def met(corners):
                 np.cross(q - p, point - p) @ normal / (normal @ normal) for p, q in ((a, b), (b, c), (c, a))
             ]
         inside = np.min(edges, axis=0)
-        unsure |= ~np.isfinite(z) | (np.abs(inside) < 0.02) | (np.abs(z - NEAR_M) < 1e-2)
+        unsure |= edge_on | ~np.isfinite(z) | (np.abs(inside) < 0.02) | (np.abs(z - NEAR_M) < 1e-2)
         hit = (inside > 0) & (z >= NEAR_M)
         unsure |= hit & (np.abs(z - depth) < 1e-3)
         nearer = hit & (z < depth)
