@@ -137,11 +137,29 @@ def _members(number: NDArray[np.int64], chosen: NDArray[np.int64]) -> Iterator[N
 
 def _covering(corners: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.int64]:
     """For (T, 3, 2) triangles the one of (U, 3, 2) others at its middle; -1 where some of it is bare."""
-    places = np.einsum("pc,tcj->tpj", _WITHIN / _WITHIN.sum(axis=1, keepdims=True), corners)
-    origin, u, v = others[:, 0], others[:, 1] - others[:, 0], others[:, 2] - others[:, 0]
-    doubled = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
-    from_origin = places[:, :, None] - origin
-    second = (from_origin[..., 0] * v[:, 1] - from_origin[..., 1] * v[:, 0]) / doubled
-    third = (u[:, 0] * from_origin[..., 1] - u[:, 1] * from_origin[..., 0]) / doubled
+    triangle, other = _near_pairs(corners, others)
+    places = np.einsum("pc,ncj->npj", _WITHIN / _WITHIN.sum(axis=1, keepdims=True), corners[triangle])
+    origin, u, v = others[other, :1], others[other, 1] - others[other, 0], others[other, 2] - others[other, 0]
+    doubled = (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])[:, None]
+    x, y = np.moveaxis(places - origin, 2, 0)
+    second = (x * v[:, 1:] - y * v[:, :1]) / doubled
+    third = (u[:, :1] * y - u[:, 1:] * x) / doubled
     inside = np.minimum(np.minimum(second, third), 1 - second - third) > -_BESIDE
-    return np.where(inside.any(axis=2).all(axis=1), inside[:, 0].argmax(axis=1), -1)
+    covered = np.zeros((len(corners), len(_WITHIN)), bool)
+    pair, place = np.nonzero(inside)
+    covered[triangle[pair], place] = True
+    at_middle = np.full(len(corners), -1, np.int64)
+    over_middle = np.flatnonzero(inside[:, 0])[::-1]  # of several the first, which is written last
+    at_middle[triangle[over_middle]] = other[over_middle]
+    return np.where(covered.all(axis=1), at_middle, -1)
+
+
+def _near_pairs(
+    corners: NDArray[np.float64], others: NDArray[np.float64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Indices of (T, 3, 2) triangles and (U, 3, 2) others whose boxes meet: most of a plane lie apart."""
+    low, high = others.min(axis=1), others.max(axis=1)
+    beside = 3 * _BESIDE * (high - low)
+    meet = (corners.min(axis=1)[:, None] <= high + beside) & (corners.max(axis=1)[:, None] >= low - beside)
+    triangle, other = np.nonzero(meet.all(axis=2))
+    return triangle, other

@@ -65,16 +65,13 @@ def _code_of(package: str) -> dict[str, str]:
         return {}
     if not spec.submodule_search_locations:
         return dict(checksums_below(Path(spec.origin))) if spec.origin and Path(spec.origin).is_file() else {}
+    data = (shipped_folder("catalogs"), *recipe_folders())
     return {
         name: checksum
         for folder in map(Path, spec.submodule_search_locations)
         for name, checksum in checksums_below(folder).items()
-        if not _is_shipped_data(folder / name)
+        if not any((folder / name).is_relative_to(shipped) for shipped in data)
     }
-
-
-def _is_shipped_data(file: Path) -> bool:
-    return any(file.is_relative_to(folder) for folder in (shipped_folder("catalogs"), *recipe_folders()))
 
 
 def _catalogs(plan: Plan) -> dict[str, dict[str, str]]:

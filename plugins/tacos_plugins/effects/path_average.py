@@ -68,14 +68,14 @@ def along_paths(
     margin = math.ceil(paths.reach_px) + 2 * KERNEL_PX + MOST_AT_ONCE_PX
     image = np.pad(frame, ((margin, margin), (margin, margin), (0, 0)), "edge")
     nodes, scratch = np.empty(paths.row_shape, np.float32), np.empty((2, 4), np.float32)
-    means = []
+    kernel = (_taps(), scratch, frame.min(), frame.max())
+    total, filled = np.zeros(frame.size, np.float32), np.empty(frame.size + LANES, np.float32)
     for part in paths.parts:
         grid = (part, paths.spacing_px, paths.widest, paths.alike)
-        means.append(np.empty(frame.size + LANES, np.float32))
-        kernel = (_taps(), scratch, frame.min(), frame.max())
-        average_along(image, margin, near, table_of, *grid, nodes, *kernel, means[-1])
-    filled = [mean[: frame.size].reshape(frame.shape) for mean in means]
-    return filled[0] if len(filled) == 1 else np.mean(filled, axis=0, dtype=np.float32)
+        average_along(image, margin, near, table_of, *grid, nodes, *kernel, filled)
+        total += filled[: frame.size]
+    total /= len(paths.parts)
+    return total.reshape(frame.shape)
 
 
 @cache

@@ -114,9 +114,8 @@ def arrays_of(channel: Channel) -> tuple[Brights, Darks]:
 
 def at_exposure(darks: Darks, values: Array, exposure_s: Array) -> Array:
     """Values of darkness at other exposures: those of the same one, or on the line between two neighbours."""
-    times = np.unique(darks.exposure_s)
-    means = np.array([values[darks.exposure_s == time].mean() for time in times])
-    return np.interp(exposure_s, times, means)
+    times, of_time = np.unique(darks.exposure_s, return_inverse=True)
+    return np.interp(exposure_s, times, np.bincount(of_time, values) / np.bincount(of_time))
 
 
 def select(channel: Channel, brights: Brights, darks: Darks, where: str) -> Selection:

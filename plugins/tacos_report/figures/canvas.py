@@ -49,6 +49,9 @@ _STYLE: dict[str, Any] = {
 NARROW_IN = 4.3
 """Width of a drawing that a phone shows without scrolling; letters keep their size there [in]."""
 
+_SVG_DPI = 72
+"""Points of an SVG per inch, as its writer has them."""
+
 # Everything the writer would put into an RDF block: a report names no addresses and no dates.
 _NO_METADATA: dict[str, Any] = dict.fromkeys(("Creator", "Date", "Format", "Type"))
 
@@ -63,11 +66,11 @@ def draw(name: str, size_in: tuple[float, float], description: str, paint: Calla
     """
     style: Any = {**_STYLE, "svg.hashsalt": name}
     with matplotlib.rc_context(style):
-        figure = Figure(figsize=size_in, layout="constrained")
-        FigureCanvasSVG(figure)
+        figure = Figure(figsize=size_in, dpi=_SVG_DPI, layout="constrained")
+        canvas = FigureCanvasSVG(figure)
         paint(figure)
         text = StringIO()
-        figure.savefig(text, format="svg", metadata=_NO_METADATA)
+        canvas.print_svg(text, metadata=_NO_METADATA)  # `savefig` would lay the figure out twice
     return _inline(text.getvalue(), description)
 
 
