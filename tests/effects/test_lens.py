@@ -217,10 +217,15 @@ def test_it_says_what_it_needs(config, context, said):
         run(Lens, np.ones((1, 121, 161, 1)), **OFF | config, geometry=behind(Projection()), context=context)
 
 
-def test_it_says_which_law_of_light_it_assumes():
+def test_it_says_what_it_assumes_of_a_lens():
     camera = Camera("c", 64, 48, pixel_um=3.0, focal_length_mm=2.0)
     fisheye = Camera("c", 64, 48, pixel_um=3.0, focal_length_mm=2.0, lens=Projection("equidistant"))
     lens = Lens(Lens.Config())
-    assert lens.origins(camera) == {"fall-off": "assumed to be natural (cos^4)"}
+    assert lens.origins(camera) == {
+        "sharpness": "assumed to be limited by diffraction",
+        "focus": "assumed at the hyperfocal distance",
+        "fall-off": "assumed to be natural (cos^4)",
+    }
     assert "equidistant" in lens.origins(fisheye)["fall-off"]
-    assert Lens(Lens.Config(fall_off=0)).origins(camera) == {}
+    assert Lens(Lens.Config(focus_m=0.7)).origins(camera)["focus"] == "at 0.7 m, as the recipe sets"
+    assert Lens(Lens.Config(**OFF)).origins(camera) == {}

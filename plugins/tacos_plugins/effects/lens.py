@@ -75,11 +75,17 @@ class Lens:
 
     def origins(self, camera: Camera) -> Mapping[str, str]:
         """See `tacos_framework.contracts.EffectBase.origins`."""
-        if not self.config.fall_off:
-            return {}
-        law = "cos^4" if camera.lens.is_rectilinear else f"solid angles of a {camera.lens.projection} lens"
-        power = "" if self.config.fall_off == 1 else f" to the power {self.config.fall_off:g}"
-        return {"fall-off": f"assumed to be natural ({law}){power}"}
+        config, said = self.config, {}
+        if config.wavelength_nm is not None:
+            said["sharpness"] = "assumed to be limited by diffraction"
+        if config.out_of_focus:
+            far = "assumed at the hyperfocal distance"
+            said["focus"] = far if config.focus_m is None else f"at {config.focus_m:g} m, as the recipe sets"
+        if config.fall_off:
+            law = "cos^4" if camera.lens.is_rectilinear else f"solid angles, {camera.lens.projection}"
+            power = "" if config.fall_off == 1 else f", to the power {config.fall_off:g}"
+            said["fall-off"] = f"assumed to be natural ({law}{power})"
+        return said
 
     def on_array(
         self,
