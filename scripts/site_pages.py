@@ -38,6 +38,9 @@ SUBJECTS = {
 }
 """Title of a page -> the modules of the core whose public names it shows."""
 
+_CELL = re.compile(r"<td.*?</td>", re.DOTALL)
+_CODE = re.compile(r"(?<=<code>)[^<]+(?=</code>)")
+_JOINT = re.compile(r"(?<=[_./])(?=\w)")
 _LINK = re.compile(r"\[(?P<title>[^]]+)\]\((?P<page>[^)#:]+\.md)\)")
 
 
@@ -58,6 +61,11 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     for title, write in pages_of_the_site().items():
         files.append(File.generated(config, page_of(title, "reference"), content=write()))
     return files
+
+
+def on_page_content(html: str, **_: Any) -> str:
+    """Let names in tables break behind ``_``, ``.`` and ``/``, so that columns fit a phone."""
+    return _CELL.sub(lambda cell: _CODE.sub(lambda name: _JOINT.sub("<wbr>", name[0]), cell[0]), html)
 
 
 def navigation(index: str) -> Iterator[dict[str, Any]]:

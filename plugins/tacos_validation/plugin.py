@@ -24,7 +24,7 @@ def tacos_components() -> list[Component]:
             "procedure",
             "rank-agreement",
             "tacos_validation.rank_agreement.measure:RankAgreement",
-            summary="Whether a small study ranks cameras as the same study at full size does.",
+            summary="Rank agreement of a small study and the same study at full size.",
         ),
         Component(
             "procedure",
@@ -54,25 +54,25 @@ def tacos_components() -> list[Component]:
             "procedure",
             "known-answers",
             "tacos_validation.known_answers.answers:KnownAnswers",
-            summary="Whether studies of known jobs find what engineers use for them.",
+            summary="Studies of known jobs, compared with the cameras that engineers use.",
         ),
         Component(
             "procedure",
             "check-gpu",
             "tacos_validation.gpu_checked.check:CheckGpu",
-            summary="Whether the GPU renders what software renders, and how fast a study goes on it.",
+            summary="Pictures of the GPU compared with those of software, and the speed of a study on it.",
         ),
         Component(
             "procedure",
             "validate-cameras",
             "tacos_validation.cameras_validated.validate:ValidateCameras",
-            summary="Whether a simulator ranks real cameras as reality does, before and after a diagnosis.",
+            summary="Ranking of real cameras in simulation and reality, before and after a diagnosis.",
         ),
         Component(
             "procedure",
             "replay-exposures",
             "tacos_validation.exposures_replayed.replay:ReplayExposures",
-            summary="Whether exposures replayed from a recording rank as the real ones do.",
+            summary="Ranking of exposures replayed from a recording, and of the real ones.",
         ),
         Component(
             "procedure",

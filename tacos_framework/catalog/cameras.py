@@ -28,7 +28,7 @@ class CatalogCamera(Settings):
     )
     fixes: dict[str, Any] = setting(help="Variables of the rig and their values.", min_length=1)
     sources: tuple[str, ...] = setting(help="Source.", min_length=1)
-    notes: tuple[str, ...] = setting((), help="What a reader of a comparison should know.")
+    notes: tuple[str, ...] = setting((), help="Notes for readers of a comparison.")
 
 
 class OffTheShelf(CatalogCamera):

@@ -34,18 +34,18 @@ _RELATIVE_UNITS = ("%", "dB")
 class ColumnEntry(Settings):
     """A column in the head of a YAML catalog."""
 
-    help: str = setting(help="What its values mean, in one sentence.", min_length=1)
+    help: str = setting(help="Meaning of its values, in one sentence.", min_length=1)
     unit: str | None = setting(None, help="Its unit; by default what the end of the name says.")
-    type: Literal["number", "integer", "text"] = setting("number", help="What its values are.")
-    required: bool = setting(False, help="Whether each part must have a value.")
-    positive: bool = setting(True, help="Whether its numbers must be above 0.")
+    type: Literal["number", "integer", "text"] = setting("number", help="Type of its values.")
+    required: bool = setting(False, help="Require a value of each part.")
+    positive: bool = setting(True, help="Require numbers above 0.")
 
 
 class SourceEntry(Settings):
     """A source that values and parts name by its key."""
 
     title: str = setting(help="The source, in full.", min_length=1)
-    grade: Grade | None = setting(None, help="How far it can be trusted.")
+    grade: Grade | None = setting(None, help="Grade of its source.")
 
 
 class InheritEntry(Settings):
@@ -62,15 +62,17 @@ class Head(Settings):
     """A YAML catalog, except for its parts."""
 
     title: str = setting(help="One line for people.", min_length=1)
-    source: str = setting(help="Where values come from that name no source of their own.", min_length=1)
-    grade: Grade | None = setting(None, help="How far those values can be trusted.")
+    source: str = setting(help="Source of the values that name none of their own.", min_length=1)
+    grade: Grade | None = setting(None, help="Grade of the source of those values.")
     sources: dict[str, SourceEntry] = setting({}, help="Sources that stand for many values.")
     licence: str = setting("", help="Terms of use.")
     columns: dict[str, ColumnEntry] = setting(help="The columns.", min_length=1)
     design_columns: tuple[str, ...] | None = setting(
         None, help="Columns of numbers that span the space a design moves in."
     )
-    scheme: Scheme = setting("quantized", help="How optimizers see the rows, unless a recipe says otherwise.")
+    scheme: Scheme = setting(
+        "quantized", help="Encoding of the rows for optimizers, unless a recipe states one."
+    )
     rigs: dict[str, str] = setting(
         {}, help="Of whole cameras, the rig that takes each kind, as in {mono: rig.monocular}."
     )
@@ -80,8 +82,8 @@ class Head(Settings):
 class PartEntry(Settings):
     """Keys of a part beside its values."""
 
-    source: str | None = setting(None, help="Where its values come from.")
-    grade: Grade | None = setting(None, help="How far they can be trusted.")
+    source: str | None = setting(None, help="Source of its values.")
+    grade: Grade | None = setting(None, help="Grade of their source.")
     doubts: tuple[str, ...] = setting((), help="Probable faults.")
     notes: tuple[str, ...] = setting((), help="Anything else.")
 
@@ -91,7 +93,7 @@ class ValueEntry(Settings):
 
     value: float | str = setting(help="The value.")
     source: str = setting(help="Source.", min_length=1)
-    grade: Grade | None = setting(None, help="How far it can be trusted.")
+    grade: Grade | None = setting(None, help="Grade of its source.")
 
 
 def catalog_names() -> tuple[str, ...]:

@@ -84,7 +84,7 @@ class FromCatalog(Settings):
 
     catalog: str = setting(help="Name of a shipped catalog, or a path beside the recipe.", alias="from")
     scheme: Literal["quantized", "discrete"] | None = setting(
-        None, help="How the optimizer sees the rows (paper, Sec. 3.3); by default as the catalog says."
+        None, help="Encoding of the rows for the optimizer (paper, Sec. 3.3); by default that of the catalog."
     )
     columns: tuple[str, ...] | None = setting(
         None, help="Columns that span the quantized space; those of the catalog's own choice if absent."
@@ -139,7 +139,7 @@ class Aim(Settings):
     quantity: str = setting(
         help="A derived quantity, a column such as sensor.power_w, a score, or fitness.", min_length=1
     )
-    aim: Literal["max", "min"] = setting(help="Whether much or little of it is wanted.")
+    aim: Literal["max", "min"] = setting(help="Maximise or minimise it.")
 
 
 class Scenario(Settings):
@@ -213,10 +213,10 @@ class StudySettings(Settings):
 
     episodes: int = setting(1, help="Episodes each candidate is scored on.", ge=1)
     renew_episodes: Literal["never", "each_generation"] = setting(
-        "each_generation", help="Whether each generation sees new worlds."
+        "each_generation", help="New worlds for each generation, or the same ones."
     )
     renew_training: Literal["never", "each_generation", "each_candidate"] | None = setting(
-        None, help="Whether tasks that learn are shown new worlds; by default as renew_episodes."
+        None, help="New training worlds for tasks that learn; by default as renew_episodes."
     )
     train_best: int = setting(
         0,
@@ -234,7 +234,7 @@ class StudySettings(Settings):
     )
     on_error: Literal["fail_candidate", "stop"] = setting(
         "fail_candidate",
-        help="What a defect of a component does that shows with one candidate: fail it, or stop the study.",
+        help="Reaction to a defect of a component on one candidate: fail the candidate, or stop the study.",
     )
     finalists: int = setting(
         3,
@@ -288,7 +288,7 @@ class Test(Settings):
         "declares. The margin of the fitness is the root of the sum of (weight x margin) squared.",
     )
     confidence: float = setting(
-        0.95, help="How sure a verdict must be, over all products and planned looks.", gt=0.5, lt=1
+        0.95, help="Confidence of a verdict, over all products and planned looks.", gt=0.5, lt=1
     )
 
     @model_validator(mode="after")

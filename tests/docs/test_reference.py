@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import re
 
 import pytest
 
@@ -28,6 +29,11 @@ def test_the_site_describes_every_component_and_every_key() -> None:
     text = "\n".join(write() for write in pages_of_the_site().values())
     assert {part.use for part in default_components() if f"\n## {part.use}\n" not in text} == set()
     assert {key for key in Recipe.model_fields if f"| `{key}` |" not in text} == set()
+
+
+def test_no_meaning_begins_with_a_question() -> None:
+    shown = "\n".join([*(write() for write in pages_of_the_site().values()), *(w() for w in PAGES.values())])
+    assert re.findall(r"\| ((?:Whether|What|Who|How|Where|When|Nobody)\b[^|]*)", shown) == []
 
 
 def test_the_recipe_page_names_every_key_at_the_top() -> None:

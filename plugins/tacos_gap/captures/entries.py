@@ -85,7 +85,7 @@ class CaptureCamera(Settings):
         False,
         help="Take focal length and principal point as first guesses, which boards replace.",
     )
-    crop: CropEntry | None = setting(None, help="Where the files sit on the sensor.")
+    crop: CropEntry | None = setting(None, help="Place of the files on the sensor.")
     f_number: float | None = setting(
         None, help="Focal length over aperture.", gt=0, le=1e4, also=ALSO_CALLED["f_number"]
     )
@@ -178,7 +178,7 @@ class ObjectsEntry(Settings):
         "first of `classes`."
     )
     classes: tuple[str, ...] = setting(
-        help="What each object is, as tasks call it, e.g. chair.", min_length=1
+        help="Class of each object, as tasks name it, e.g. chair.", min_length=1
     )
 
 
@@ -207,7 +207,7 @@ class CaptureEntry(Settings):
     simulated_frames: int | None = setting(None, help="Noisy frames that `simulated` is the mean of.", ge=1)
     width_px: Size | None = setting(None, help="Width of the files, where it is not the camera's.", unit="px")
     height_px: Size | None = setting(None, help="Height of the files.", unit="px")
-    crop: CropEntry | None = setting(None, help="Where the files sit on the sensor.")
+    crop: CropEntry | None = setting(None, help="Place of the files on the sensor.")
     board: BoardEntry | None = setting(None, help="The board, for kind board.")
     edge: EdgeEntry | None = setting(None, help="The edge; without it, edges of any direction.")
     chart: ChartEntry | None = setting(None, help="The patches of a chart.")
@@ -223,11 +223,9 @@ class CaptureEntry(Settings):
         0.0, help="Readout from row to row the simulator has.", unit="us", ge=0, le=1e9
     )
     row_time_reference: Place = setting(0.0, help="Row that shares its moment with `simulated`.", unit="px")
-    motion_blurred: bool = setting(
-        False, help="Whether `simulated` holds the blur of motion during the exposure."
-    )
+    motion_blurred: bool = setting(False, help="`simulated` includes the blur of motion during the exposure.")
     taken_s: Moment | None = setting(
-        None, help="When it was taken, from any moment on: captures stand in this order.", unit="s"
+        None, help="Time of the picture, from any moment on: captures stand in this order.", unit="s"
     )
 
 

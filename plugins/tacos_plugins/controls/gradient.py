@@ -34,13 +34,13 @@ class Gradient:
 
     class Config(ExposureLimits):
         gain: float = setting(
-            0.8, help="How far each frame follows (K): large is quick, and may swing.", gt=0, le=2
+            0.8, help="Gain of the loop (K); a large one is quick and may oscillate.", gt=0, le=2
         )
         threshold: float = setting(
             0.03, help="Gradients below this share of full scale are noise (sigma).", ge=0, lt=1
         )
         emphasis: float = setting(
-            1000.0, help="How much weak gradients count beside strong ones (lambda).", gt=0, le=1e9
+            1000.0, help="Emphasis of weak gradients beside strong ones (lambda).", gt=0, le=1e9
         )
         metered_px: int = setting(
             160,

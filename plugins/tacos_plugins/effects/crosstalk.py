@@ -39,7 +39,7 @@ class Crosstalk:
         )
         corners: float = setting(
             1.0,
-            help="What a neighbour at a corner gets, over what one beside it gets; 0 where four alone share.",
+            help="Share of a neighbour at a corner, over that of one at a side; 0 for four neighbours alone.",
             ge=0,
             le=1,
         )

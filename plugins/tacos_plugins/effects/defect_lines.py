@@ -45,7 +45,7 @@ class DefectLines:
         )
         row_share: float = setting(0.0, help="Share of the rows that are bad.", ge=0, le=1)
         offset_dn: float = setting(
-            10.0, help="What bad lines show above the others.", unit="DN", ge=-65535, le=65535
+            10.0, help="Level of bad lines above the others.", unit="DN", ge=-65535, le=65535
         )
         offset_e: float | None = physical(
             "offset_dn", help="The same in electrons.", unit="e-", ge=-1e6, le=1e6

@@ -29,7 +29,7 @@ class Demosaic:
 
     class Config(Settings):
         method: Literal["none", "bilinear", "gradient-corrected", "edge-aware"] = setting(
-            "none", help="How missing colours are reconstructed; none leaves the full colour of every pixel."
+            "none", help="Reconstruction of missing colours; none leaves the full colour of every pixel."
         )
         cfa: Literal["RGGB", "GRBG", "GBRG", "BGGR"] = setting(
             "RGGB", help="Colour filters from the top-left pixel of the image on."

@@ -40,7 +40,7 @@ class Motion:
             1.0, help="Motion that is simulated over that of the scene: 0 is none, 1 all of it.", ge=0, le=10
         )
         shutter: Literal["part", "global", "rolling"] = setting(
-            "part", help="How rows are exposed: as the image sensor does (part), all at once, or one by one."
+            "part", help="Exposure of the rows: that of the image sensor (part), all at once, or one by one."
         )
         row_time_us: float | None = setting(
             None,

@@ -32,7 +32,7 @@ class Quantisation:
             gt=0,
             le=1,
         )
-        rounding: Literal["nearest", "floor"] = setting("nearest", help="Where values between two codes go.")
+        rounding: Literal["nearest", "floor"] = setting("nearest", help="Code of a value between two codes.")
 
     stage: ClassVar[Stage] = "readout"
     rank: ClassVar[int] = 50

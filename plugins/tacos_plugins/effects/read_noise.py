@@ -39,7 +39,7 @@ class ReadNoise:
             "sigma_dn", help="The same in electrons, in place of sigma_dn.", unit="e-", ge=0, le=1e6
         )
         tail: float = setting(
-            0.0, help="How heavy the tails are: 1 / degrees of freedom; 0 is Gaussian.", ge=0, le=0.45
+            0.0, help="Weight of the tails: 1 / degrees of freedom; 0 is Gaussian.", ge=0, le=0.45
         )
 
     stage: ClassVar[Stage] = "readout"

@@ -39,7 +39,7 @@ class CalibrateCamera:
         bit_depth: int | None = setting(
             None, help="Bits per sample; by default what the samples reach.", unit="bit", ge=1, le=16
         )
-        title: str = setting("", help="What the camera is called; by default the folder.")
+        title: str = setting("", help="Name of the camera; by default that of the folder.")
 
     def __init__(self, config: Config) -> None:
         self.config = config

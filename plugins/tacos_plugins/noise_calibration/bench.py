@@ -32,7 +32,7 @@ class NoiseBench(Settings):
     """A target, its light, and how many frames are taken of it."""
 
     scene: Use = setting(Use(use="scene.grey-bars"), help="The target.")
-    renderer: Use = setting(Use(use="renderer.moderngl"), help="What renders it.")
+    renderer: Use = setting(Use(use="renderer.moderngl"), help="Its renderer.")
     illumination_lux: float = setting(2000.0, help="Illuminance on the target.", unit="lux", gt=0)
     frames: int = setting(16, help="Frames per setting.", ge=2, le=1000)
 

@@ -53,7 +53,7 @@ class FilmedCamera(Settings):
 class Rendering(SimulatedCamera):
     """A simulated camera that takes the frames."""
 
-    exposure: CameraSetting = setting(help="How the target is exposed.")
+    exposure: CameraSetting = setting(help="Exposure of the target.")
     bench: NoiseBench = setting(NoiseBench(), help="Target, light and number of frames.")
 
 
@@ -72,13 +72,11 @@ class CalibrateNoise:
             "", help="Folder or glob of the frames (PNG, TIFF, npy); empty to render them.", is_path=True
         )
         camera: FilmedCamera | None = setting(None, help="The camera that took the frames.")
-        rendering: Rendering | None = setting(None, help="What renders the frames, where there are none.")
+        rendering: Rendering | None = setting(None, help="Rendering of the frames, where none are given.")
         levels: int = setting(
             64, help="Into how many levels of brightness pixels are gathered.", ge=5, le=4096
         )
-        title: str = setting(
-            "", help="What the calibration is called; by default the sensor and its setting."
-        )
+        title: str = setting("", help="Name of the calibration; by default the sensor and its setting.")
 
         @model_validator(mode="after")
         def _frames_from_somewhere(self) -> CalibrateNoise.Config:

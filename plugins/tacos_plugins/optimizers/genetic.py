@@ -81,7 +81,7 @@ class Genetic:
         discrete_mutation: Literal["step", "redraw"] = setting(
             "step",
             help=(
-                "How a choice among values mutates: 'step' moves its position in the list by up to "
+                "Mutation of a choice among values: 'step' moves its position in the list by up to "
                 "discrete_step, 'redraw' draws any value; with redraw choose a mutation_rate well below 1, "
                 "or nothing of the choice is inherited."
             ),

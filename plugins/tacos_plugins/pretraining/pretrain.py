@@ -72,7 +72,7 @@ class Pretrain:
         epochs: int = setting(30, help="Passes over the images.", ge=1)
         score_every: int = setting(5, help="Passes between scores on held-out worlds.", ge=1)
         train: dict[str, JsonValue] = setting(
-            {}, help="How the task learns, as under a recipe's train:, e.g. {learning_rate: 1.0e-4}."
+            {}, help="Settings of the training, as under a recipe's train:, e.g. {learning_rate: 1.0e-4}."
         )
         file: str = setting("pretrained", help="Name of the file of weights.", pattern=r"^[a-z0-9_-]+$")
         precision: Literal["float32", "float16"] = setting(

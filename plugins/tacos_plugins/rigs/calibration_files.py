@@ -30,7 +30,7 @@ _MODELS: Mapping[str, Projection] = {
 class CalibratedLens(Settings):
     """The lens of a camera that was calibrated: a file of OpenCV, ROS or Kalibr, or its numbers."""
 
-    title: str = setting("the calibration", help="What to call it.")
+    title: str = setting("the calibration", help="Its name in messages.")
     width_px: int = setting(help="Width of the images it was calibrated with.", unit="px", ge=1)
     height_px: int = setting(help="Height of those images.", unit="px", ge=1)
     focal_length_px: float = setting(help="Focal length on the axis.", unit="px", gt=0)

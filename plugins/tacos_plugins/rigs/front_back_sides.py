@@ -45,8 +45,8 @@ class FrontBackSidesRig:
         other_hfov_deg: float = setting(
             100.0, help="Horizontal field of view of each other camera.", unit="deg", gt=0, lt=360
         )
-        sides: bool = setting(True, help="Whether there is a camera to either side.")
-        back: bool = setting(True, help="Whether there is a camera behind.")
+        sides: bool = setting(True, help="Add a camera to either side.")
+        back: bool = setting(True, help="Add a camera behind.")
 
         @model_validator(mode="after")
         def _has_such_fields(self) -> FrontBackSidesRig.Variables:

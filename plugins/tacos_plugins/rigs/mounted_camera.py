@@ -33,7 +33,7 @@ class MountSettings(Settings):
         gt=0,
     )
     per_euro: dict[Literal[CURRENCIES], Annotated[float, Field(gt=0)]] = setting(  # type: ignore[valid-type]
-        {}, help="What a euro is in other currencies, so that prices can be added, as in {usd: 1.1}."
+        {}, help="Price of a euro in other currencies, so that prices can be added, as in {usd: 1.1}."
     )
 
 

@@ -32,7 +32,7 @@ class ProductPart(SensorPart):
     projection: Projection | None = setting(None, help="That of its lens; rectilinear if absent.")
     baseline_mm: float | None = setting(None, help="Distance between its two cameras.", unit="mm", gt=0)
     mass_g: float | None = setting(None, help="Mass of the whole, if known.", unit="g", gt=0)
-    interface: str | None = setting(None, help="How it is connected, if known.")
+    interface: str | None = setting(None, help="Its interface, if known.")
 
     @model_validator(mode="after")
     def _can_be_simulated(self) -> ProductPart:

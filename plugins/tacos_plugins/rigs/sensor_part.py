@@ -42,10 +42,10 @@ class SensorPart(PricedPart):
         None, help="Read noise at that gain, if known.", unit="e-", ge=0
     )
     colour: Literal["colour", "mono"] | None = setting(
-        None, help="Whether colour filters lie over its photosites, if known."
+        None, help="Colour filters over its photosites, if known."
     )
     shutter: str | None = setting(
-        None, help="How rows are exposed, global (all at once) or rolling (one after the other), if known."
+        None, help="Shutter, global (all rows at once) or rolling (one after the other), if known."
     )
     power_w: float | None = setting(
         None, help="Power of a camera that is sold with it, if known.", unit="W", gt=0

@@ -34,7 +34,7 @@ class Calibration(Settings):
     responsivity_dn_per_lux_s: float = setting(
         help="Signal per focal-plane exposure at the calibrated gain.", unit="DN/(lux s)", gt=0
     )
-    notes: tuple[str, ...] = setting((), help="What a user of the numbers should know.")
+    notes: tuple[str, ...] = setting((), help="Notes for users of the numbers.")
 
     @model_validator(mode="after")
     def _channels_agree(self) -> Calibration:

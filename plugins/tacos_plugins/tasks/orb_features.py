@@ -89,7 +89,7 @@ class OrbFeatures:
             20, help="Contrast a corner needs, in 1/255 of full scale.", unit="1/255", ge=1, le=254
         )
         images: Literal["coded", "linear"] = setting(
-            "coded", help="Whether features are found in files coded for a display or in linear ones."
+            "coded", help="Files in which features are found: coded for a display, or linear."
         )
         scale_factor: float = setting(1.2, help="Ratio of neighbouring pyramid levels.", gt=1, le=2)
         levels: int = setting(8, help="Pyramid levels.", ge=1, le=32)
@@ -115,7 +115,7 @@ class OrbFeatures:
             gt=0,
         )
         ratio_of: Literal["features", "matches"] = setting(
-            "features", help="What inlier_ratio is a share of: the features extracted, or the matches."
+            "features", help="Denominator of inlier_ratio: the features extracted, or the matches."
         )
 
     scores: ClassVar[tuple[str, ...]] = ("inliers", "inlier_ratio", "matches", "extracted")

@@ -44,7 +44,7 @@ class GapBlindCheck:
     """
 
     class Config(Settings):
-        counts: Counts = setting(Counts(), help="How many cases of each tier.")
+        counts: Counts = setting(Counts(), help="Number of cases of each tier.")
         width_px: int = setting(160, help="Width of the captures.", unit="px", ge=64)
         height_px: int = setting(120, help="Height of the captures.", unit="px", ge=48)
         captures: str = setting("charts", help="Captures of cases with all of them: charts, or smallest.")
@@ -58,13 +58,13 @@ class GapBlindCheck:
             help="Folder of public pictures from which real cases are made (T5); left out if empty.",
             is_path=True,
         )
-        baselines: bool = setting(True, help="Whether simpler ways are tried on the same cases.")
+        baselines: bool = setting(True, help="Run simpler methods on the same cases.")
         case_limit_s: float | None = setting(
             600.0, help="Longest processor time for a diagnosis; past it there is no answer.", unit="s", gt=0
         )
         batch: int = setting(48, help="Cases solved before their truth is opened.", ge=1)
         makers: int = setting(1, help="Processes that make cases.", ge=1)
-        keep: bool = setting(False, help="Whether captures are kept; some 5 MB a case.")
+        keep: bool = setting(False, help="Keep the captures; some 5 MB a case.")
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -52,7 +52,7 @@ class ValidateCameras:
         )
         patches: Literal["diagnose", "given"] = setting(
             "diagnose",
-            help="Where the effects that a simulation lacks come from: a diagnosis of each camera, or the "
+            help="Source of the effects that a simulation lacks: a diagnosis of each camera, or the "
             "patched.yaml in each folder.",
         )
         study: str = setting(

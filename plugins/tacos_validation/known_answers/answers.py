@@ -49,7 +49,9 @@ class KnownJob(Settings):
     leave_out: dict[str, str] = setting(
         {}, help="Systems of these that do not count, with the reason: another job, or no choice."
     )
-    points: tuple[PointName, ...] = setting(help="What to hold against the industry's answer.", min_length=1)
+    points: tuple[PointName, ...] = setting(
+        help="Points to compare with the industry's answer.", min_length=1
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,7 +33,7 @@ from tacos_report.page import Page, Paragraph, Section, Table, Warnings, in_both
 class CheckedCamera(SimulatedCamera):
     """A camera, the setting it is calibrated at, and those its noise is predicted for."""
 
-    title: str = setting(help="What it is called.", min_length=1)
+    title: str = setting(help="Its name.", min_length=1)
     settings: tuple[CameraSetting, ...] = setting(
         help="The calibrated setting first, then those to predict.", min_length=1
     )
@@ -92,7 +92,7 @@ class ValidateNoise:
 
     class Config(Settings):
         bench: NoiseBench = setting(NoiseBench(), help="Target, light and number of frames.")
-        cameras: tuple[CheckedCamera, ...] = setting(help="What is checked.", min_length=1)
+        cameras: tuple[CheckedCamera, ...] = setting(help="The cameras to check.", min_length=1)
         levels: int = setting(
             64, help="Into how many levels of brightness pixels are gathered.", ge=5, le=4096
         )

@@ -11,7 +11,7 @@ class HeldOut(Settings):
     """Scenes that no optimizer sees, on which what they recommend is judged."""
 
     seed: int = setting(2001, help="Seed of these scenes.", ge=0)
-    episodes: int = setting(8, help="How many.", ge=1)
+    episodes: int = setting(8, help="Number of these scenes.", ge=1)
     frames: int | None = setting(None, help="Frames of each; as in the problem if absent.", ge=1)
 
 
@@ -26,7 +26,9 @@ class ReferenceSearch(Settings):
         {}, help="Step of each variable between bounds; every fourth of the fine grid's where absent."
     )
     scenes: int = setting(2, help="Held-out scenes the coarse grid is scored on.", ge=1)
-    climbs: int = setting(6, help="How many of the best climb, each from another choice of parts.", ge=1)
+    climbs: int = setting(
+        6, help="Number of the best cameras that climb, each from another choice of parts.", ge=1
+    )
     most: int = setting(20_000, help="More cameras than this on the coarse grid are refused.", ge=1)
 
 
@@ -50,7 +52,9 @@ class CompareOptimizersConfig(Settings):
         help="Step of each variable between bounds, in its unit: candidates are points of this grid."
     )
     held_out: HeldOut = setting(HeldOut(), help="Scenes that what is recommended is judged on.")
-    reference: ReferenceSearch = setting(ReferenceSearch(), help="How the best camera there is looked for.")
+    reference: ReferenceSearch = setting(
+        ReferenceSearch(), help="Search for the best camera on the held-out scenes."
+    )
     optimizers: dict[str, Use] = setting(help="The optimizers by name, with their settings.", min_length=1)
     optional: tuple[str, ...] = setting(
         (), help="Optimizers to leave out, with a note, where the packages they need are not installed."

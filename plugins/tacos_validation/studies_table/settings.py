@@ -27,7 +27,7 @@ class SummaryColumn(Settings):
 
     head: str = setting(help="Its heading.", min_length=1)
     value: str = setting(
-        help="What it shows: camera.VARIABLE, derived.QUANTITY, or test.SCORE, e.g. test.stereo.log_error.",
+        help="Its value: camera.VARIABLE, derived.QUANTITY, or test.SCORE, e.g. test.stereo.log_error.",
         pattern=r"^(camera|derived|test)\..+$",
     )
     unit: str = setting("", help="Its unit.")
@@ -40,7 +40,7 @@ class SummaryColumn(Settings):
 class TableRow(Settings):
     """A row of the table: a camera of one of the studies."""
 
-    title: str = setting(help="What it is called.", min_length=1)
+    title: str = setting(help="Its name.", min_length=1)
     study: str = setting(help="Which of the studies it comes from.")
     camera: str = setting(DESIGNED, help="The designed camera, or one the study compares it with.")
     published: dict[str, float | str] = setting({}, help="Published figures, by the heads of columns.")
@@ -60,9 +60,9 @@ class StudiesConfig(Settings):
     seeds: int = setting(1, help="Runs of each study, with the seed of the problem and those after it.", ge=1)
     columns: tuple[SummaryColumn, ...] = setting(help="The columns of the table.", min_length=1)
     rows: tuple[TableRow, ...] = setting(help="The rows of the table.", min_length=1)
-    published_in: str = setting("", help="Where the published figures stand, e.g. the paper, Table 1.")
+    published_in: str = setting("", help="Place of the published figures, e.g. the paper, Table 1.")
     differs: tuple[str, ...] = setting(
-        (), help="What keeps these figures from comparing with the published ones, in sentences."
+        (), help="Reasons why these figures do not compare with the published ones, in sentences."
     )
 
     @model_validator(mode="after")

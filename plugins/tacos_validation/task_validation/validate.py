@@ -70,7 +70,7 @@ class ValidateTask:
         task: Use = setting(Use(use="task.orb-features"), help="The task; one that does not learn.")
         score: str = setting("inliers", help="The score to rank by, higher is better.")
         exposures: tuple[CameraSetting, ...] = setting(
-            (CameraSetting(exposure_ms=30, gain_db=15),), help="How the target is exposed.", min_length=1
+            (CameraSetting(exposure_ms=30, gain_db=15),), help="Exposure of the target.", min_length=1
         )
         seeds: int = setting(20, help="Frames with independent noise, of each place.", ge=2, le=10_000)
 

@@ -18,8 +18,8 @@ class Chessboard:
         inner_corners: tuple[int, int] = setting((9, 6), help="Inner corners along its rows and columns.")
         square_mm: float = setting(25.0, help="Side of its squares.", unit="mm", gt=0)
         distance_m: float = setting(0.6, help="From the camera to its middle.", unit="m", gt=0)
-        right_m: float = setting(0.0, help="How far it stands to the right of the axis.", unit="m")
-        up_m: float = setting(0.0, help="How far it stands above the axis.", unit="m")
+        right_m: float = setting(0.0, help="Distance to the right of the axis.", unit="m")
+        up_m: float = setting(0.0, help="Height above the axis.", unit="m")
         tilt_deg: float = setting(
             0.0, help="Turn about the horizontal; above 0 its top goes back.", unit="deg", ge=-80, le=80
         )

@@ -57,9 +57,9 @@ class TexturedTarget:
         texture_px: int = setting(
             2048, help="Edge of the texture; a power of two.", unit="px", ge=64, le=8192
         )
-        speed_m_s: float = setting(0.0, help="How fast the camera passes.", unit="m/s")
+        speed_m_s: float = setting(0.0, help="Speed of the camera.", unit="m/s")
         direction_deg: float = setting(
-            0.0, help="Where to: 0 is to the left, so that the target goes right; 90 is up.", unit="deg"
+            0.0, help="Direction: 0 is to the left, so that the target goes right; 90 is up.", unit="deg"
         )
         frame_interval_s: float = setting(0.033, help="From frame to frame.", unit="s", gt=0)
         frames: int = setting(1, help="Frames taken.", ge=1, le=1_000_000)

@@ -42,12 +42,12 @@ class ImportedSettings(CarriedSettings):
     metres_per_unit: float = setting(1.0, help="Metres for one unit of the file, 1 in glTF.", unit="m", gt=0)
     light: Literal["auto", "file", "lamps", "both"] = setting(
         "auto",
-        help="What shines: the file's lights and glowing surfaces and the sky (file), lamps placed under "
+        help="Light: the file's lights and glowing surfaces and the sky (file), lamps placed under "
         "ceilings (lamps), both, or lamps only where nothing else does (auto).",
     )
     level: Literal["scenario", "file"] = setting(
         "scenario",
-        help="How bright it is: scaled to the scenario's illuminance, or as the file says (file).",
+        help="Level of light: scaled to the scenario's illuminance, or that of the file (file).",
     )
     emission_cd_m2: float = setting(
         1.0, help="Luminance for one unit of emission in the file, 1 in glTF.", unit="cd/m2", gt=0
@@ -75,7 +75,7 @@ class ImportedSettings(CarriedSettings):
     )
     path_of: Literal["camera", "agent"] = setting(
         "camera",
-        help="What the recorded poses are of: a camera (x right, y down, z ahead) or an agent "
+        help="Body of the recorded poses: a camera (x right, y down, z ahead) or an agent "
         "(x ahead, y left, z up).",
     )
     path_axes: Literal["file", "world"] = setting(
@@ -85,7 +85,7 @@ class ImportedSettings(CarriedSettings):
         (), help="Places to walk by, (x, y) or (x, y, z) with z up; else tours are drawn.", unit="m"
     )
     ground: Literal["auto", "inside", "outside"] = setting(
-        "auto", help="Where to walk: under a ceiling, or in the open; auto prefers a ceiling."
+        "auto", help="Ground to walk on: under a ceiling, or in the open; auto prefers a ceiling."
     )
     start_m: Waypoint | None = setting(
         None, help="A place on the floor to walk on, (x, y) or (x, y, z) with z up.", unit="m"
@@ -104,7 +104,7 @@ class ImportedSettings(CarriedSettings):
     )
     frames: int = setting(500, help="Frames taken in all.", ge=1, le=1_000_000, also=("steps",))
     sampling: Literal["walk", "approaches"] = setting(
-        "walk", help="Where frames are taken: all along the way, or only before obstacles."
+        "walk", help="Places of the frames: all along the way, or only before obstacles."
     )
     frame_rate_hz: float = setting(
         5.0, help="Frames per second of walking, under sampling: walk.", unit="Hz", gt=0, also=("fps",)

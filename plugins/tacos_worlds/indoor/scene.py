@@ -59,7 +59,7 @@ class IndoorScene:
         frames: int = setting(500, help="Frames taken in all.", ge=1, le=1_000_000, also=("steps",))
         sampling: Literal["walk", "bursts", "approaches"] = setting(
             "walk",
-            help="Where frames are taken: all along the walk, in short bursts spread over it, or only before "
+            help="Places of the frames: all along the walk, in short bursts spread over it, or only before "
             "thresholds.",
         )
         frame_rate_hz: float = setting(
@@ -88,7 +88,10 @@ class IndoorScene:
             min_length=1,
         )
         clutter: float = setting(
-            0.5, help="How many toys lie about, and small things on tables and worktops.", ge=0.0, le=1.0
+            0.5,
+            help="Amount of toys on the floor, and of small things on tables and worktops.",
+            ge=0.0,
+            le=1.0,
         )
         people: float = setting(
             0.4,

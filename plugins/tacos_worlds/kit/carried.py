@@ -30,7 +30,7 @@ class CarriedSettings(Settings):
 
     motion: Carrier = setting(
         "none",
-        help="What carries the cameras and shakes them on their way: a head, a hand, a robot on wheels, a "
+        help="Carrier of the cameras, which shakes them on their way: a head, a hand, a robot on wheels, a "
         "drone or a car.",
         also=("shake", "vibration", "carrier"),
     )

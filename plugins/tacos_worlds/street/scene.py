@@ -36,7 +36,7 @@ class StreetScene:
             3, help="Blocks between streets along each axis; the car drives around them.", ge=1, le=4
         )
         reach_m: float = setting(
-            160.0, help="How far streets go on beyond the outermost crossings.", unit="m", ge=60, le=400
+            160.0, help="Length of the streets beyond the outermost crossings.", unit="m", ge=60, le=400
         )
         frames: int = setting(500, help="Frames taken along the drive.", ge=1, le=1_000_000, also=("steps",))
         frame_rate_hz: float = setting(

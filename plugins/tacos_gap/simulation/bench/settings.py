@@ -33,7 +33,7 @@ class BenchCapture(Settings):
     """A capture, or a series of them."""
 
     id: str = setting(help="Its name; those of a series have the level or time appended.", min_length=1)
-    kind: Kind = setting(help="What kind of capture it is.")
+    kind: Kind = setting(help="Kind of the capture.")
     scene: Use | None = setting(None, help="Target in front of the camera; none for kind dark.")
     exposure_ms: Positive | tuple[Positive, ...] = setting(
         10.0,
@@ -88,10 +88,10 @@ class BenchSettings(Settings):
     """A camera, what really happens in it, and what it is pointed at."""
 
     rig: Use = setting(help="The rig; all its variables are given here, and its first camera is used.")
-    renderer: Use = setting(help="What renders the scenes.")
+    renderer: Use = setting(help="Renderer of the scenes.")
     reality: Use | None = setting(
         None,
-        help="What renders them in place of reality, e.g. {use: renderer.mitsuba, samples: 64}: the "
+        help="Renderer that takes the place of reality, e.g. {use: renderer.mitsuba, samples: 64}: the "
         "simulator then lacks what its renderer leaves out of the light. Scenes without lamps, as even "
         "fields, stay as they are; by default the renderer.",
     )

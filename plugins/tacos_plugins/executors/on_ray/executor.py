@@ -57,7 +57,7 @@ class RayExecutor(PoolExecutor):
             None, help="Threads each worker may compute with; by default cpus_per_worker, rounded up.", ge=1
         )
         attempts: int = setting(
-            3, help="How often a candidate is tried whose worker or node is lost, or that takes too long.",
+            3, help="Attempts at a candidate whose worker or node is lost, or that takes too long.",
             ge=1,
         )  # fmt: skip
         timeout_s: float | None = setting(

@@ -62,10 +62,10 @@ class Ppo:
         )
         steps: int = setting(16, help="Changes of a camera before another one begins.", ge=1)
         step_size: float = setting(
-            0.2, help="How far an action of 1 moves a gene, relative to its range.", gt=0, le=1
+            0.2, help="Change of a gene by an action of 1, relative to its range.", gt=0, le=1
         )
         reward: Literal["fitness", "gain"] = setting(
-            "fitness", help="What a change is rewarded by: the fitness it leads to, or how much it gained."
+            "fitness", help="Reward of a change: the fitness it leads to, or its gain."
         )
         rollout: int = setting(
             64, help="Changes between two updates of the policy, of all cameras together.", ge=2
@@ -73,14 +73,16 @@ class Ppo:
         minibatch: int = setting(16, help="Changes in each step of an update.", ge=2)
         epochs: int = setting(10, help="Passes over the changes in each update.", ge=1)
         learning_rate: float = setting(3e-4, help="Of Adam.", gt=0, also=("lr",))
-        discount: float = setting(0.99, help="What a reward is worth one change later.", ge=0, le=1)
+        discount: float = setting(0.99, help="Discount of a reward for each later change.", ge=0, le=1)
         gae_lambda: float = setting(
             0.95,
             help="Between one step (0) and all rewards to come (1) in estimates of advantage.",
             ge=0,
             le=1,
         )
-        clip: float = setting(0.2, help="How far an update may change the odds of an action.", gt=0, lt=1)
+        clip: float = setting(
+            0.2, help="Largest relative change of the probability of an action in an update.", gt=0, lt=1
+        )
         entropy: float = setting(0.0, help="Weight of the policy's entropy, which keeps it exploring.", ge=0)
         hidden: tuple[int, ...] = setting((64, 64), help="Units of the hidden layers.", min_length=1)
 

@@ -36,7 +36,7 @@ class BlenderRenderer:
             12, help="Most legs of a path from the camera to a light; 2 is direct light alone.", ge=2, le=128
         )
         denoise: bool = setting(
-            False, help="Whether Blender smooths the noise of few paths away, and some detail with it."
+            False, help="Let Blender denoise pictures of few paths, at the cost of detail."
         )
         motion_samples: int = setting(
             1, help="Poses averaged over the exposure for motion blur; 1 is none.", ge=1, le=256

@@ -50,12 +50,12 @@ class MitsubaRenderer:
         near_m: float = setting(0.05, help="Surfaces nearer than this are not seen.", unit="m", gt=0)
         backend: Backend = setting(
             "scalar",
-            help="What computes: scalar (any processor), llvm (faster, needs LLVM 19 or later), or cuda.",
+            help="Backend: scalar (any processor), llvm (faster, needs LLVM 19 or later), or cuda.",
         )
         seed: int = setting(0, help="Seed of the noise.", ge=0)
         sampler: Literal["independent", "low-discrepancy"] = setting(
             "independent",
-            help="How paths are spread over a pixel and its lights: each by itself, or evenly, which takes "
+            help="Distribution of paths over a pixel and its lights: independent, or even, which has "
             "less noise for twice the time; samples are then a power of four.",
         )
 

@@ -45,7 +45,7 @@ class ModernglRenderer:
 
         antialiasing: Literal["auto", "multisampling", "edges", "none"] = setting(
             "auto",
-            help="How colour is averaged over a pixel: several samples (multisampling), one sample blended "
+            help="Average of colour over a pixel: several samples (multisampling), one sample blended "
             "where surfaces meet (edges), or none; auto is edges, so that GPUs give what software does.",
         )
         samples: int = setting(8, help="Colour samples per pixel for multisampling.", ge=2, le=32)

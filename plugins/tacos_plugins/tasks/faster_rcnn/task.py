@@ -92,7 +92,7 @@ class FasterRcnn:
             None, help="Most long side of the network's image; by default the camera's own.", unit="px", ge=1
         )
         encoding: Literal["srgb", "linear"] = setting(
-            "srgb", help="Whether the network sees light as a display encodes it (srgb) or as it is counted."
+            "srgb", help="Encoding of the network's input: for a display (srgb), or linear as in the sensor."
         )
         proposals: int = setting(200, help="Regions the first stage proposes.", ge=1)
         rois: int = setting(64, help="Regions of an image either stage is trained on.", ge=4)
@@ -105,7 +105,7 @@ class FasterRcnn:
             gt=0,
         )
         batch_norm: Literal["auto", "frozen", "update"] = setting(
-            "auto", help="Whether training moves batch normalisation; auto: only where weights is none."
+            "auto", help="Train batch normalisation; auto: only where weights is none."
         )
         device: str = setting("auto", help=DEVICE_HELP, pattern=f"^({DEVICE_PATTERN})$")
 

@@ -73,7 +73,7 @@ class Fiducials:
         within_deg: float = setting(
             90.0, help="For the field of work, the angle from straight ahead.", unit="deg", gt=0, le=180
         )
-        refine: bool = setting(True, help="Whether corners are found to a part of a pixel.")
+        refine: bool = setting(True, help="Refine corners to a fraction of a pixel.")
 
     wants: ClassVar[Literal["grey"]] = "grey"
     needs: ClassVar[tuple[str, ...]] = ("poses", "objects")

@@ -17,7 +17,7 @@ log = logging.getLogger(__name__)
 DEVICE_PATTERN = r"auto|cpu|cuda(:\d+)?"
 """Values of a setting ``device``."""
 
-DEVICE_HELP = "Where it computes: auto (a GPU where there is one), cpu, cuda, or cuda:N."
+DEVICE_HELP = "Device: auto (a GPU where there is one), cpu, cuda, or cuda:N."
 """Help of a setting ``device``."""
 
 

@@ -68,10 +68,11 @@ class PsmnetDepth:
             1000.0, help="Depths are capped here; what lies beyond is sky.", unit="m", gt=0
         )
         encoding: Literal["srgb", "linear"] = setting(
-            "srgb", help="Whether the network sees light as a display encodes it, or as the sensor counts it."
+            "srgb", help="Encoding of the network's input: for a display (srgb), or linear as in the sensor."
         )
         align_corners: bool = setting(
-            True, help="How volumes are enlarged; the authors advise true for their published weights."
+            True,
+            help="Alignment when volumes are enlarged; the authors advise true for their published weights.",
         )
         device: str = setting("auto", help=DEVICE_HELP, pattern=f"^({DEVICE_PATTERN})$")
 

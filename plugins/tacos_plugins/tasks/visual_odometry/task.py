@@ -63,7 +63,7 @@ class VisualOdometry:
         camera: str | None = setting(
             None, help="Name of the camera, or of the left one; by default the first."
         )
-        stereo: bool = setting(False, help="Whether two cameras see the points, so that lengths are known.")
+        stereo: bool = setting(False, help="Use both cameras of a pair, which give lengths.")
         right: str | None = setting(None, help="Name of the right camera; by default the second.")
         features: Method = setting(
             "klt", help="Points followed: corners by their patches (klt), or ORB features by descriptors."

@@ -36,8 +36,8 @@ class Preview:
     class Config(Settings):
         """Settings of the procedure."""
 
-        scene: Use = setting(help="The scene to look at.")
-        renderer: Use = setting(Use(use="renderer.moderngl"), help="What renders it.")
+        scene: Use = setting(help="Scene to look at.")
+        renderer: Use = setting(Use(use="renderer.moderngl"), help="Its renderer.")
         illumination_lux: float = setting(20.0, help="Light of the scene.", unit="lux", gt=0)
         hfov_deg: float = setting(90.0, help="Field of view of the camera.", unit="deg", gt=0, lt=180)
         width_px: int = setting(320, help="Width of a picture.", unit="px", ge=16)
