@@ -84,18 +84,21 @@ def _dataset(arguments: argparse.Namespace) -> int:
 
 
 class _Written:
-    """Counts the frames that are written; says how many, and how long the rest may take, now and then."""
+    """Counts the frames that are written; says how many, and how long the rest may take, now and then.
+
+    The first frame takes the building and its light along, and tells nothing of the others.
+    """
 
     def __init__(self, frames: int) -> None:
-        from tacos_framework import Pace
-
-        self._pace, self._said_s = Pace("Frames", frames), time.monotonic()
-        self.count = 0
+        self._frames, self._said_s, self.count = frames, time.monotonic(), 0
 
     def __call__(self, count: int) -> None:
-        from tacos_framework import LONGEST_SILENCE_S
+        from tacos_framework import LONGEST_SILENCE_S, Pace
 
-        self.count = self._pace.done = count
+        if not self.count:
+            self._pace, self._before = Pace("Frames", self._frames - count), count
+        self.count = count
+        self._pace.done = count - self._before
         if time.monotonic() - self._said_s >= LONGEST_SILENCE_S:
             print(self._pace, file=sys.stderr)
             self._said_s = time.monotonic()

@@ -41,7 +41,7 @@ class ImageHeader:
     Parameters
     ----------
     format
-        ``PNG``, ``JPEG``, ``TIFF``, ``WebP``, ``BMP`` or ``PNM``.
+        ``PNG``, ``JPEG``, ``TIFF``, ``WebP``, ``BMP``, ``PNM``, ``DDS``, ``GIF`` or ``TGA``.
     width_px, height_px
         Size [px].
     sample_bytes
@@ -59,15 +59,20 @@ class ImageHeader:
         return self.width_px * self.height_px * self.sample_bytes
 
 
-def read_header(content: bytes) -> ImageHeader:
+def read_header(content: bytes, *, of_texture: bool = False) -> ImageHeader:
     """The header of an image file that is whole.
+
+    Parameters
+    ----------
+    of_texture
+        True if the formats that programs of models write count, too.
 
     Raises
     ------
     HeaderError
         When the format is not known, the header broken, or the file cut short; says which.
     """
-    for start, reader in _READERS:
+    for start, reader in _READERS + (_OF_TEXTURES if of_texture else ()):
         if content.startswith(start):
             try:
                 header = reader(content)
@@ -76,19 +81,24 @@ def read_header(content: bytes) -> ImageHeader:
             if header.width_px < 1 or header.height_px < 1:
                 raise HeaderError(f"it says its size is {header.width_px} x {header.height_px}")
             return header
-    raise HeaderError("it is empty" if not content else f"it is none of {FORMATS}")
+    formats = TEXTURE_FORMATS if of_texture else FORMATS
+    raise HeaderError("it is empty" if not content else f"it is none of {formats}")
 
 
 FORMATS = "PNG, JPEG, TIFF, WebP, BMP, PGM, PPM"
+TEXTURE_FORMATS = f"{FORMATS}, TGA, DDS, GIF"
 _SHORT = "it breaks off in the middle"
 
 
 def _by_pillow(content: bytes) -> ImageHeader:
     """The header of any format but TIFF and PNM, whose depth Pillow does not tell."""
     from PIL.BmpImagePlugin import BmpImageFile
+    from PIL.DdsImagePlugin import DdsImageFile
+    from PIL.GifImagePlugin import GifImageFile
     from PIL.ImageFile import ImageFile
     from PIL.JpegImagePlugin import JpegImageFile
     from PIL.PngImagePlugin import PngImageFile
+    from PIL.TgaImagePlugin import TgaImageFile
     from PIL.WebPImagePlugin import WebPImageFile
 
     # Not by `Image.open`, which has a limit of its own and takes a photograph of several for MPO.
@@ -97,11 +107,13 @@ def _by_pillow(content: bytes) -> ImageHeader:
         b"\xff\xd8": JpegImageFile,
         b"RI": WebPImageFile,
         b"BM": BmpImageFile,
+        b"DD": DdsImageFile,
+        b"GI": GifImageFile,
     }
     if content[:4] == b"RIFF" and int.from_bytes(content[4:8], "little") + 8 > len(content):
         raise HeaderError(_SHORT)
     try:
-        image = kinds[content[:2]](BytesIO(content))
+        image = kinds.get(content[:2], TgaImageFile)(BytesIO(content))
     except UNREADABLE as error:
         raise HeaderError(f"its header is broken: {error}") from error
     if getattr(image, "is_animated", False):
@@ -221,4 +233,10 @@ _READERS: tuple[tuple[bytes, Callable[[bytes], ImageHeader]], ...] = (
     (b"RIFF", _by_pillow),
     (b"BM", _by_pillow),
     *((b"P%d" % kind, _pnm) for kind in (2, 3, 5, 6)),
+)
+_OF_TEXTURES: tuple[tuple[bytes, Callable[[bytes], ImageHeader]], ...] = (
+    (b"DDS ", _by_pillow),
+    (b"GIF8", _by_pillow),
+    *((bytes((0, 0, kind)), _by_pillow) for kind in (2, 3, 10, 11)),  # TGA, which begins without a name
+    *((bytes((0, 1, kind)), _by_pillow) for kind in (1, 9)),
 )

@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_files.image_headers import FORMATS, UNREADABLE, HeaderError, ImageHeader, read_header
+from tacos_files.image_headers import (
+    FORMATS,
+    TEXTURE_FORMATS,
+    UNREADABLE,
+    HeaderError,
+    ImageHeader,
+    read_header,
+)
 from tacos_files.tiff_as_stored import tiff_as_stored
 from tacos_framework import Fault, UserError
 from tacos_framework.files import limits, read_bytes, too_large
@@ -70,7 +77,7 @@ def decode_picture(content: bytes, where: str, name: str) -> Image:
     """A picture such as a texture, decoded as Pillow has it; parameters are those of `decode_samples`."""
     from PIL import Image as Pillow
 
-    checked_header(content, where, name)
+    checked_header(content, where, name, of_texture=True)
     try:
         with warnings.catch_warnings():  # Pillow warns of sizes, which were checked, and of odd entries
             warnings.simplefilter("ignore")
@@ -81,8 +88,8 @@ def decode_picture(content: bytes, where: str, name: str) -> Image:
     return image
 
 
-def checked_header(content: bytes, where: str, name: str) -> ImageHeader:
-    """The header of an image that is whole and not too large.
+def checked_header(content: bytes, where: str, name: str, *, of_texture: bool = False) -> ImageHeader:
+    """The header of an image that is whole and not too large; `of_texture` as in `read_header`.
 
     Raises
     ------
@@ -90,18 +97,20 @@ def checked_header(content: bytes, where: str, name: str) -> ImageHeader:
         When it is neither.
     """
     try:
-        header = read_header(content)
+        header = read_header(content, of_texture=of_texture)
     except HeaderError as error:
-        raise UserError(_unreadable(where, name, error)) from error
+        raise UserError(
+            _unreadable(where, name, error, TEXTURE_FORMATS if of_texture else FORMATS)
+        ) from error
     size = f"{header.width_px} x {header.height_px} pixels of {name}"
     if header.decoded_bytes > limits().bytes_of("image_mb"):
         raise UserError(too_large(where, f"the image of {size}", header.decoded_bytes, "image_mb"))
     return header
 
 
-def _unreadable(where: str, name: str, error: HeaderError) -> Fault:
+def _unreadable(where: str, name: str, error: HeaderError, formats: str = FORMATS) -> Fault:
     what = f"{name} is no image that can be read: {error}"
-    return Fault(where, what, FORMATS, "Copy or save it anew.")
+    return Fault(where, what, formats, "Copy or save it anew.")
 
 
 def _damaged(where: str, name: str, reason: str) -> Fault:

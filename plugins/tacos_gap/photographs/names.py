@@ -14,6 +14,9 @@ _TIME = re.compile(
 )
 """A decimal point or comma; the micro sign, or the Greek letter."""
 
+_PART_OF_FRACTION = re.compile(r"\d[-/\u2044\u2215\u00f7]$")
+"""Before a time; dashes, and what stands for a slash, which names of files cannot have."""
+
 _DENOMINATOR = re.compile(r"(\d+(?:[.,]\d+)?)(s|sec)?", re.IGNORECASE)
 
 _LEAST_BARE_DENOMINATOR, _LEAST_LOOSE_DENOMINATOR = 25, 60
@@ -69,7 +72,8 @@ def time_in_name_ms(stem: str) -> float | None:
         if above != "1" or not below or (not dash and below < _LEAST_LOOSE_DENOMINATOR):
             return None
         return 1e3 / below
-    if (whole := _TIME.search(stem.replace("_", " "))) is None:
+    stem = stem.replace("_", " ")
+    if (whole := _TIME.search(stem)) is None or _PART_OF_FRACTION.search(stem[: whole.start()]):
         return None
     return float(whole[1].replace(",", ".")) * _MS[whole[2].lower()]
 
@@ -91,6 +95,7 @@ def _fractions(stem: str) -> Iterator[tuple[str, str, str, float, str | None]]:
 
     A slash cannot stand in a name.
     """
+    stem = re.sub("[\u2044\u2215\u00f7]", "-", stem)
     joined = re.sub(r"(?<=\d) (?=s(?:ec)?(?![a-z0-9]))", "", _OTHERS.sub("x", stem), flags=re.IGNORECASE)
     parts = ["", *re.split(r"([-_ ()\[\]+=;])", joined)]
     for before, above, joint, below in zip(parts[::2], parts[1::2], parts[2::2], parts[3::2], strict=False):

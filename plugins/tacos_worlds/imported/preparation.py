@@ -13,14 +13,19 @@ from numpy.typing import NDArray
 from tacos_framework import Fault, Light, Object, Trajectory, UserError, World, did_you_mean
 from tacos_plugins.lighting import photopic
 from tacos_plugins.lighting.occlusion import Occlusion
-from tacos_worlds.imported.doubts import clear_height_m, doubts_of_height
+from tacos_worlds.imported.doubts import (
+    clear_height_m,
+    doubt_of_open_height,
+    doubt_of_up,
+    doubts_of_height,
+)
 from tacos_worlds.imported.floor import Agent, Floor, find_floor, walkable
 from tacos_worlds.imported.formats.file_bytes import Unreadable
 from tacos_worlds.imported.labels import Label, Rule, class_names, label_of, read_table, unused_rules
 from tacos_worlds.imported.lamps import SUN_DISTANCE_M, of_file
 from tacos_worlds.imported.place import Budget, Sources, geometry, lit_world
 from tacos_worlds.imported.progress import Telling
-from tacos_worlds.imported.reader import Read, read_world
+from tacos_worlds.imported.reader import Read, area_along, read_world
 from tacos_worlds.imported.recorded import read_recorded
 from tacos_worlds.imported.settings import ImportedSettings
 from tacos_worlds.imported.sky import Surroundings, read_surroundings
@@ -81,9 +86,8 @@ def survey(config: ImportedSettings, telling: Telling | None = None) -> Survey:
     agent = Agent(config.radius_m, config.height_m, config.step_m)
     floor = _floor(config, occlusion, agent, read.origin_m)
     remarks += [f"{file.name}: {note}" for note in read.model.notes]
-    clear_m = clear_height_m(occlusion, floor.points_m)
-    doubts = doubts_of_height(clear_m, config.metres_per_unit, config.camera_height_m)
-    remarks += [f"{file.name}: {doubt}" for doubt in (*doubts, *_of_obstacles(config, objects))]
+    doubts = [*_of_axes(config, read, occlusion, floor), *_of_obstacles(config, objects)]
+    remarks += [f"{file.name}: {doubt}" for doubt in doubts]
     return Survey(
         read=read,
         sky=sky,
@@ -183,6 +187,16 @@ def _idle(config: ImportedSettings, read: Read, rules: Sequence[Rule]) -> Iterat
             "matches no node of the file",
             remedy=did_you_mean(rule.pattern, list(names)[:500]),
         )
+
+
+def _of_axes(config: ImportedSettings, read: Read, occlusion: Occlusion, floor: Floor) -> Iterator[str]:
+    """Doubts about the unit and the vertical axis."""
+    clear_m, height_m = clear_height_m(occlusion, floor.points_m), float(np.ptp(occlusion.vertices_m[:, 2]))
+    yield from doubts_of_height(clear_m, config.metres_per_unit, config.camera_height_m)
+    if clear_m is None and (doubt := doubt_of_open_height(height_m, config.metres_per_unit)):
+        yield doubt
+    if config.up == "auto" and read.model.up and (doubt := doubt_of_up(area_along(read.model), read.up)):
+        yield doubt
 
 
 def _of_obstacles(config: ImportedSettings, objects: Sequence[Object]) -> Iterator[str]:

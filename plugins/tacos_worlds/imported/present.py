@@ -10,12 +10,20 @@ from tacos_framework import Fault
 WORLD = (".glb", ".gltf", ".obj", ".ply", ".stl")
 TABLE = (".csv", ".yaml", ".yml")
 PANORAMA = (".hdr", ".exr")
+_POINTS = "Make a mesh of the points (Poisson reconstruction in CloudCompare) and export it as PLY."
 _CONVERT = {
     ".blend": "In Blender: File, Export, glTF 2.0.",
-    ".fbx": "Import it into Blender and export it as glTF 2.0.",
-    ".usd": "Import it into Blender and export it as glTF 2.0.",
-    ".usdz": "Import it into Blender and export it as glTF 2.0.",
+    **dict.fromkeys(
+        (".fbx", ".usd", ".usda", ".usdc", ".usdz", ".abc", ".3ds", ".x3d"),
+        "Import it into Blender and export it as glTF 2.0.",
+    ),
     ".dae": "Import it into Blender 4 and export it as glTF 2.0.",
+    ".ifc": "Convert it by IfcOpenShell: IfcConvert model.ifc model.glb.",
+    ".rvt": "In Revit: Export, IFC; then IfcConvert model.ifc model.glb of IfcOpenShell.",
+    ".skp": "In SketchUp: File, Export, 3D Model, glTF Binary (.glb).",
+    **dict.fromkeys((".step", ".stp", ".iges", ".igs"), "In FreeCAD: File, Export, glTF 2.0 (.glb)."),
+    **dict.fromkeys((".las", ".laz", ".e57", ".pcd", ".pts", ".xyz"), _POINTS),
+    **dict.fromkeys((".zip", ".7z"), "Unpack it, and name the model in it."),
     ".png": "A panorama of high dynamic range is .hdr or .exr.",
     ".jpg": "A panorama of high dynamic range is .hdr or .exr.",
 }

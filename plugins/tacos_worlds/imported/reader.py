@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import Fault, UserError
+from tacos_worlds.imported.doubts import likely_unit
 from tacos_worlds.imported.labels import Rule
 from tacos_worlds.kit.models.cutouts import cut_out, without_clear
 from tacos_worlds.kit.models.model import Model, Surface
@@ -63,7 +64,7 @@ def read_world(
         raise UserError(faults)
     axis = up if up != "auto" else model.up or likely_up(model)
     turn = metres_per_unit * _Z_UP_FROM[axis]
-    if faults := list(_of_size(file, model, turn)):
+    if faults := list(_of_size(file, model, turn, metres_per_unit)):
         raise UserError(faults)
     model = cut_out(model)
     if not model.triangle_count:
@@ -101,35 +102,44 @@ def _bounds(model: Model, turn: NDArray[np.float64]) -> tuple[NDArray[np.float64
 
 def likely_up(model: Model) -> Literal["y", "z"]:
     """The axis along which most of the area faces: floors and ceilings are larger than any one wall."""
+    facing = area_along(model)
+    return "z" if facing[2] >= facing[1] else "y"
+
+
+def area_along(model: Model) -> NDArray[np.float64]:
+    """(3,) area that faces along each axis of the file, within 15 degrees [square units]."""
     facing = np.zeros(3)
     for surface in model.surfaces:
         a, b, c = (surface.vertices[surface.triangles[:, corner]] for corner in range(3))
         cross = np.cross(b - a, c - a)
         area = np.linalg.norm(cross, axis=1)
-        along = np.abs(cross) > 0.966 * np.maximum(area, 1e-30)[:, None]  # within 15 degrees
-        facing += (along * area[:, None]).sum(axis=0)
-    return "z" if facing[2] >= facing[1] else "y"
+        along = np.abs(cross) > 0.966 * np.maximum(area, 1e-30)[:, None]
+        facing += (along * area[:, None]).sum(axis=0) / 2
+    return facing
 
 
-def _of_size(file: Path, model: Model, turn: NDArray[np.float64]) -> Iterator[Fault]:
+def _of_size(file: Path, model: Model, turn: NDArray[np.float64], metres_per_unit: float) -> Iterator[Fault]:
     """Worlds nobody can walk in: the unit is another one."""
     lower, upper = _bounds(model, turn)
     extent = upper - lower
     widest = float(extent[:2].max())
     said = " x ".join(f"{length:.3g}" for length in extent)
+    unit = likely_unit(float(extent[2]), metres_per_unit)
+    likely = f"Its height is that of a room in {unit}." if unit else ""
     if widest < _LOWEST_M:
         yield Fault(
             f"{file}: metres_per_unit",
             f"the world is {said} m large, too small to walk in",
             "metres for one unit of the file",
-            f"For a file in kilometres give 1000; for one of {widest:.3g} units across see its program.",
+            likely or f"See its program: {widest:.3g} units across is no size of buildings.",
         )
     if widest > _WIDEST_M or (float(extent[2]) > 1000.0):
         yield Fault(
             f"{file}: metres_per_unit",
             f"the world is {said} m large",
             f"at most {_WIDEST_M:g} m, and 1000 m high",
-            "Give 0.01 for a file in centimetres (Unreal's OBJ and PLY), 0.001 for millimetres, 0.0254 "
+            likely
+            or "Give 0.01 for a file in centimetres (Unreal's OBJ and PLY), 0.001 for millimetres, 0.0254 "
             "for inches.",
         )
 

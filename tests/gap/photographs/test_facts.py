@@ -63,7 +63,7 @@ def test_a_tiff_of_samples_that_pillow_does_not_know_keeps_its_exif(tmp_path):
     assert (facts.camera, facts.exposure_ms) == ("Maker", 20.0)
 
 
-@pytest.mark.parametrize("joint", ["1-{}s", "1_{}s", "1 {} s", "shelf_1-{}s_03", "wall 1-{}sec"])
+@pytest.mark.parametrize("joint", ["1-{}s", "1_{}s", "1 {} s", "shelf_1-{}s_03", "wall 1-{}sec", "1⁄{}s"])
 @pytest.mark.parametrize("denominator", [60, 125, 250, 500, 4000])
 def test_fractions_of_a_second_in_names_are_fractions(joint: str, denominator: int) -> None:
     assert time_in_name_ms(joint.format(denominator)) == pytest.approx(1000 / denominator)
@@ -80,6 +80,7 @@ def test_fractions_of_a_second_in_names_are_fractions(joint: str, denominator: i
         ("page_1-10", None),
         ("2024-11-27_dark_1s", 1000.0),
         ("IMG_1-500s(2)", 2.0),
+        ("cam1-250s", None),  # camera 1, or a 250th
     ],
 )
 def test_what_a_name_may_mean_twice_is_no_time(stem: str, time_ms: float | None) -> None:

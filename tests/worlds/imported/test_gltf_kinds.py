@@ -215,7 +215,7 @@ def test_meshes_packed_by_meshopt_are_read_where_plain_ones_stand_beside_them(
         made.read(tmp_path)
 
 
-@pytest.mark.parametrize("suffix", ["webp", "png", "jpg", "bmp", "tif"])
+@pytest.mark.parametrize("suffix", ["webp", "png", "jpg", "bmp", "tif", "tga", "dds", "gif"])
 def test_textures_of_any_format_and_depth_are_their_colours(suffix: str, tmp_path: Path) -> None:
     made, content = Tree(), io.BytesIO()
     picture = Image.new("RGB", (8, 8), (200, 40, 90))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from base64 import b64encode
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from PIL import Image
 
 from tacos_framework.errors import UserError
 from tacos_view.pictures import png_uri
@@ -82,9 +84,25 @@ def test_what_is_left_of_a_sheet_is_where_its_mask_is_above_the_cutoff(seed: int
     assert (crosses[:, 2] > 0).all()
 
 
+@settings(max_examples=8, deadline=None)
+@given(tiles=st.integers(1, 60), across=st.booleans())
+def test_bars_of_a_fence_take_few_triangles_and_too_many_are_told(tiles: int, across: bool) -> None:
+    mask = np.tile(np.array([255, 0, 0, 0], np.uint8), (64, 16))
+    made = cut_out(square(SQUARE[:, :2] * [tiles, 1], mask=mask.T if across else mask))
+    cut = made.surfaces[0]
+    assert len(cut.triangles) <= 16 * tiles * 16
+    assert area(cut) == pytest.approx(0.25) or "too finely" in made.notes[0]
+
+
+def test_a_mask_that_repeats_beyond_what_is_seen_is_told() -> None:
+    mask = np.tile(np.array([255, 0, 0, 0], np.uint8), (64, 16))
+    made = cut_out(square(SQUARE[:, :2] * 300, mask=mask))
+    assert made.notes == ("s: its mask repeats too finely to be cut out, and is left out",)
+
+
 def test_outlines_stay_within_bounds_on_triangles() -> None:
     rng = np.random.default_rng(0)
-    mask = rng.integers(0, 256, (512, 512), dtype=np.uint8)
+    mask = rng.integers(0, 256, (256, 256), dtype=np.uint8)
     cut = cut_out(square(SQUARE[:, :2] * 20, mask=mask)).surfaces[0]
     assert len(cut.triangles) < 300_000
     assert outlines(np.full((4, 4), -1.0), (False, False)).shape == (0, 8, 2)
@@ -212,6 +230,17 @@ def test_specular_glossiness_is_a_dielectric_of_its_diffuse_colour(tmp_path: Pat
     assert skin.base_colour == pytest.approx([0.5, 1, 1])
 
 
+def test_glossiness_of_a_texture_counts(tmp_path: Path) -> None:
+    look = {"specularGlossinessTexture": {"index": 0}, "glossinessFactor": 0.5}
+    materials = [{"name": "m", "extensions": {"KHR_materials_pbrSpecularGlossiness": look}}]
+    content = io.BytesIO()
+    Image.new("RGBA", (4, 4), (9, 9, 9, 102)).save(content, "png")
+    images = [{"uri": f"data:image/png;base64,{b64encode(content.getvalue()).decode()}"}]
+    model = read_model(gltf(tmp_path, materials=materials, images=images), most_px=64)
+    assert model.skins[0].roughness == pytest.approx(1 - 0.5 * 0.4)
+    assert model.notes == ("m: roughness and metalness of a texture count by their mean",)
+
+
 def test_a_black_and_bright_specular_material_is_a_metal(tmp_path: Path) -> None:
     look = {"diffuseFactor": [0, 0, 0, 1], "specularFactor": [0.9, 0.7, 0.3], "glossinessFactor": 0.6}
     materials = [{"extensions": {"KHR_materials_pbrSpecularGlossiness": look}}]
@@ -275,7 +304,11 @@ def test_packed_files_name_the_setting_to_change(extension: str, setting: str, t
 
 def test_glass_is_left_out_and_told(tmp_path: Path) -> None:
     materials = [
-        {"name": "pane", "extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.9}}},
+        {
+            "name": "pane",
+            "pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.8, 0.2, 1]},
+            "extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.9}},
+        },
         {"name": "wall"},
     ]
     part = {"attributes": {"POSITION": 0}, "indices": 2}
@@ -284,6 +317,7 @@ def test_glass_is_left_out_and_told(tmp_path: Path) -> None:
     file = gltf(tmp_path, materials=materials, meshes=meshes, nodes=nodes)
     model = read_world(file, up="auto", metres_per_unit=1.0, leave_out=(), most_px=64).model
     assert len(model.surfaces) == 1
+    assert "pane: glass does not tint the light that passes" in model.notes
     assert [note for note in model.notes if "pane: clear surfaces are left out" in note]
 
 

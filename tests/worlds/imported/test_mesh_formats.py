@@ -55,6 +55,7 @@ EXPECTED = as_sets(
     extra=st.sampled_from(["", " # remark", " ", "\t"]),
     indent=st.sampled_from(["", "  ", "\t"]),
     coded=st.sampled_from(["utf-8", "utf-8-sig", "utf-16"]),
+    point=st.sampled_from([".", ","]),
 )
 def test_an_obj_is_the_same_however_it_is_written(
     tmp_path_factory: pytest.TempPathFactory,
@@ -66,12 +67,14 @@ def test_an_obj_is_the_same_however_it_is_written(
     extra: str,
     indent: str,
     coded: str,
+    point: str,
 ) -> None:
     """Faces may stand between vertices, count back from there, and go on in the next line."""
     lines, written, left = [], 0, list(FACES)
-    for point in POINTS:
+    for place in POINTS:
         lines += [
-            f"{kind} {' '.join(map(str, point[:width]))}" for kind, width in (("v", 3), ("vt", 2), ("vn", 3))
+            f"{kind} {' '.join(map(str, place[:width]))}".replace(".", point)
+            for kind, width in (("v", 3), ("vt", 2), ("vn", 3))
         ]
         written += 1
         if written % between and written < len(POINTS):
@@ -215,7 +218,7 @@ def test_a_floor_with_a_bay_does_not_reach_across_it(tmp_path: Path) -> None:
         ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "names item 4 of 3"),
         ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", "line 4 .*names item 0"),
         ("a.obj", "v 0 0 0\nv 1 0 0\nf -3 -2 -1\n", "line 3 .*names item -3 of 2"),
-        ("a.obj", "v 0,5 0 0\n", "line 1 .*'?0,5'?"),
+        ("a.obj", "v 0;5 0 0\n", "line 1 .*'?0;5'?"),
         ("a.obj", "v 0 0\n", "line 1 .*it has 2 numbers"),
         (
             "a.stl",
@@ -246,6 +249,21 @@ def test_pictures_are_found_under_paths_of_another_machine(written: str, tmp_pat
     assert skin.texture[0, 0].tolist() == [10, 20, 30]
     assert skin.base_colour.tolist() == [0.5, 1, 1]
     assert sum("beside it is read" in note for note in model.notes) == ("maps" in written)
+
+
+@pytest.mark.parametrize("coded", ["utf-8-sig", "utf-16", "latin-1"])
+def test_a_library_is_the_same_however_it_is_written(coded: str, tmp_path: Path) -> None:
+    """3ds Max has a # in names; others put remarks behind pictures and numbers."""
+    from PIL import Image
+
+    Image.new("RGB", (2, 2), (10, 20, 30)).save(tmp_path / "tile #1.png")
+    text = "newmtl Bück #25\r\nKd 1 1 1 # white\r\nmap_Kd tile #1.png # wood\r\nd 1.0 # 0\r\n"
+    (tmp_path / "a.mtl").write_bytes(text.encode(coded))
+    obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl Bück #25\nf 1 2 3\n"
+    model = read(tmp_path, "a.obj", obj.encode(coded))
+    skin = model.skins[model.surfaces[0].skin]
+    assert (skin.name, skin.opacity, skin.texture is not None) == ("Bück #25", 1.0, True)
+    assert set(model.notes) <= {"names are not in UTF-8, and are read as Latin-1"}
 
 
 def test_materials_that_no_library_has_are_told_with_the_effect(tmp_path: Path) -> None:

@@ -11,12 +11,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from tacos_worlds.imported.doubts import clear_height_m, doubts_of_height
+from tacos_framework.errors import UserError
+from tacos_worlds.imported.doubts import (
+    clear_height_m,
+    doubt_of_open_height,
+    doubt_of_up,
+    doubts_of_height,
+    likely_unit,
+)
 from tacos_worlds.imported.floor import Agent, find_floor, walkable
 from tacos_worlds.imported.formats.file_bytes import Unreadable
 from tacos_worlds.imported.formats.poses import doubt_of_time, read_poses, stamp_unit
 from tacos_worlds.imported.place import geometry
-from tacos_worlds.imported.reader import read_world
+from tacos_worlds.imported.reader import area_along, read_world
 from tacos_worlds.imported.recorded import read_recorded
 from tacos_worlds.imported.tour import draw_tour
 from tacos_worlds.kit.models.patch import sound
@@ -91,6 +98,32 @@ def test_a_room_in_another_unit_is_doubted_with_that_unit(
     floor_m = scale * np.array([[1.0, 1, 0], [3, 2, 0], [6, 4, 0]])
     doubts = [*doubts_of_height(clear_height_m(occlusion, floor_m), 1.0, (1.0, 2.0))]
     assert doubts == [] if likely is None else likely in doubts[0]
+
+
+@given(height_m=st.floats(2.2, 4.5), unit_m=st.sampled_from([0.01, 0.001, 1000.0, 0.0254]))
+def test_a_yard_in_another_unit_is_doubted_with_that_unit(height_m: float, unit_m: float) -> None:
+    """Without a ceiling only towers are as high as a room in millimetres."""
+    doubt, unit = doubt_of_open_height(height_m / unit_m, 1.0), likely_unit(height_m / unit_m, 1.0)
+    assert unit is not None
+    assert (doubt is not None and unit in doubt) == (height_m / unit_m > 100)
+    assert doubt_of_open_height(height_m, 1.0) is None
+
+
+@pytest.mark.parametrize(("scale", "likely"), [(1000.0, "per_unit 0.001"), (0.01, "per_unit 100")])
+def test_a_room_that_none_can_walk_in_is_refused_with_the_likely_unit(
+    tmp_path: Path, scale: float, likely: str
+) -> None:
+    file = room(tmp_path / "room.obj", np.zeros(3), scale)
+    with pytest.raises(UserError, match=likely):
+        read_world(file, up="z", metres_per_unit=1.0, leave_out=(), most_px=64)
+
+
+def test_a_floor_that_stands_upright_is_doubted(tmp_path: Path) -> None:
+    read = read_world(
+        room(tmp_path / "r.obj", np.zeros(3)), up="z", metres_per_unit=1.0, leave_out=(), most_px=64
+    )
+    assert doubt_of_up(area_along(read.model), "z") is None
+    assert "up: z" in str(doubt_of_up(area_along(read.model), "y"))
 
 
 def test_an_eye_above_the_ceiling_is_doubted() -> None:
@@ -169,6 +202,44 @@ def test_a_line_of_names_gives_the_order_of_rotations(
     found = read_poses(file)
     np.testing.assert_allclose(found.poses[0, :3, :3], rotation.as_matrix(), atol=1e-9)
     assert found.time_s[-1] == pytest.approx(0.1)
+
+
+def names_of(pose: str, between: str) -> str:
+    """Names of ROS's fields of a pose."""
+    parts = [("position", "xyz"), ("orientation", "xyzw")]
+    return ",".join(between.join([pose, part, axis]) for part, axes in parts for axis in axes)
+
+
+@pytest.mark.parametrize(
+    ("head", "line"),
+    [
+        (
+            f"Time,header.stamp.secs,header.stamp.nsecs,header.frame_id,{names_of('pose.pose', '.')}",
+            "{s}.{ms},{s},{ms}000000,map,1,2,3,0,.6,0,.8",
+        ),
+        (f"header.stamp.sec,header.stamp.nanosec,{names_of('pose', '.')}", "{s},{ms}000000,1,2,3,0,.6,0,.8"),
+        (f"__time,/odom/header/stamp,{names_of('/odom/pose', '/')}", "{s}.{ms},{s}.{ms},1,2,3,0,.6,0,.8"),
+        ("# timestamp(s) q p v bg ba", "{s}.{ms} 0 .6 0 .8 1 2 3 0 0 0 0 0 0 0 0 0"),
+        ("time;x;y;z;qx;qy;qz;qw", "{s},{ms};1,0;2,0;3,0;0;0,6;0;0,8"),
+    ],
+    ids=["bagpy", "ros2", "plotjuggler", "openvins", "decimal commas"],
+)
+def test_tables_of_other_programs_are_their_path(head: str, line: str, tmp_path: Path) -> None:
+    lines = [head, *(line.format(s=1_700_000_000, ms=f"{250 * i:03d}") for i in range(4))]
+    (tmp_path / "poses.csv").write_text("\n".join(lines))
+    found = read_poses(tmp_path / "poses.csv")
+    np.testing.assert_allclose(found.time_s, [0, 0.25, 0.5, 0.75], atol=1e-6)
+    np.testing.assert_allclose(found.poses[:, :3, 3], np.tile([1, 2, 3], (4, 1)))
+    np.testing.assert_allclose(
+        found.poses[2, :3, :3], Rotation.from_quat([0, 0.6, 0, 0.8]).as_matrix(), atol=1e-9
+    )
+
+
+def test_a_pose_that_was_lost_is_named(tmp_path: Path) -> None:
+    file = tmp_path / "p.txt"
+    file.write_text("0 0 0 0 0 0 0 1\n1 nan nan nan 0 0 0 1\n")
+    with pytest.raises(Unreadable, match="pose 2 holds numbers that are not finite"):
+        read_poses(file)
 
 
 def test_a_path_longer_than_a_day_is_refused_before_memory_is_taken(tmp_path: Path) -> None:

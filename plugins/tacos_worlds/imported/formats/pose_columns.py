@@ -7,8 +7,12 @@ from dataclasses import dataclass
 
 _UNITS = {"ns": "ns", "nsec": "ns", "us": "us", "ms": "ms", "s": "s", "sec": "s", "secs": "s"}
 _TIME = re.compile(r"(.*[._])?(header\.)?(time_?stamp|stamp|time|t|secs?)([._](ns|us|ms|s|secs?))?")
+_NANOSECONDS = re.compile(r"(.*[._])?(nsecs?|nanosec(onds)?)")
 _POSITION = re.compile(r"(.*position[._]|.*translation[._]|t_?|p_?(?:rs_r_)?|pos_?)?[xyz]")
 _ROTATION = re.compile(r"(.*orientation[._]|.*rotation[._]|q_?(?:rs_)?|quat_?|rot_?)[wxyz]")
+_OPENVINS = re.compile(r"timestamp\S*\s+q(_\S+)?\s+p(_\S+)?\s+v")
+"""States of OpenVINS, whose q from the world to the body by JPL is Hamilton's from the body to the world."""
+_XYZ, _QUATERNION = ("x", "y", "z"), ("qx", "qy", "qz", "qw")
 _ANGLES = {"roll", "pitch", "yaw"}
 
 
@@ -20,9 +24,11 @@ class Columns:
     position: tuple[int, ...]  # x, y, z
     rotation: tuple[int, ...]  # x, y, z, w
     unit: str = ""  # of stamps, where it is said
+    nanoseconds: int | None = None  # beside whole seconds, as ROS has them
 
     def needed(self) -> tuple[int, ...]:
-        return (self.time, *self.position, *self.rotation)
+        rest = () if self.nanoseconds is None else (self.nanoseconds,)
+        return (self.time, *self.position, *self.rotation, *rest)
 
 
 def named_columns(line: str) -> Columns | None:
@@ -33,25 +39,29 @@ def named_columns(line: str) -> Columns | None:
     >>> named_columns("# timestamp tx ty tz qx qy qz qw").rotation, named_columns("# by ORB")
     ((4, 5, 6, 7), None)
     """
+    if _OPENVINS.match(line.lower().strip("#% ")):
+        return Columns(0, (5, 6, 7), (1, 2, 3, 4), "s")
     plain = re.sub(r"\s*[\[(]([^\])]*)[\])]", r"[\1]", line.lower().strip().strip("#%").strip())
     cells = [
         cell.strip() for cell in (re.split(r"[,;]", plain) if re.search("[,;]", plain) else plain.split())
     ]
-    names = [re.sub(r"\[.*\]", "", cell).strip("\"' ") for cell in cells]
+    names = [re.sub(r"\[.*\]", "", cell).strip("\"' _").replace("/", ".") for cell in cells]
     found: dict[str, int] = {}
     for index, name in enumerate(names):
         if _ROTATION.fullmatch(name):
             found.setdefault("q" + name[-1], index)
         elif _POSITION.fullmatch(name):
             found.setdefault(name[-1], index)
+        elif _NANOSECONDS.fullmatch(name):
+            found.setdefault("ns", index)
         elif _TIME.fullmatch(name) and ("t" not in found or "stamp" in name):
             found["t"] = index
-    if len(found) < len(("t", *"xyz", *"xyzw")):
+    if not {"t", *_XYZ, *_QUATERNION} <= found.keys():
         return None
     stated = re.search(r"\[(\w+)\]", cells[found["t"]]) or re.search(r"[._]([a-z]+)$", names[found["t"]])
     unit = _UNITS.get(stated[1], "") if stated else ""
-    position = tuple(found[axis] for axis in "xyz")
-    return Columns(found["t"], position, tuple(found["q" + axis] for axis in "xyzw"), unit)
+    position, rotation = (tuple(found[axis] for axis in axes) for axes in (_XYZ, _QUATERNION))
+    return Columns(found["t"], position, rotation, unit, found.get("ns") if unit == "s" else None)
 
 
 def has_angles(line: str) -> bool:

@@ -91,7 +91,10 @@ def read_poses(file: Path) -> RecordedPath:
     poses[:, :3, :3] = Rotation.from_quat(quaternion).as_matrix()
     poses[:, :3, 3] = table[:, columns.position]
     stated = next((unit for unit in _SECONDS if unit == columns.unit), None)
-    return _timed(table[:, columns.time], poses, "euroc" if commas else "tum", stated)
+    stamp = table[:, columns.time]
+    if columns.nanoseconds is not None:
+        stamp = stamp - stamp[0] + table[:, columns.nanoseconds] * 1e-9
+    return _timed(stamp, poses, "euroc" if commas else "tum", stated)
 
 
 def _table(lines: Sequence[str]) -> tuple[NDArray[np.float64], Columns | None, bool]:
@@ -110,6 +113,8 @@ def _table(lines: Sequence[str]) -> tuple[NDArray[np.float64], Columns | None, b
         text = line.split("#", 1)[0].strip()
         if not text:
             continue
+        if ";" in text:  # decimal commas, as programs write them in many countries
+            text = text.replace(",", ".")
         commas = commas or "," in text or ";" in text
         words = re.split(r"\s*[,;]\s*" if columns and commas else r"[\s,;]+", text.strip(",;"))
         try:
@@ -117,15 +122,16 @@ def _table(lines: Sequence[str]) -> tuple[NDArray[np.float64], Columns | None, b
                 [_number(word, columns is None or k in columns.needed()) for k, word in enumerate(words)]
             )
         except ValueError as error:
-            raise Unreadable(f"line {number} is not a line of numbers: {text[:60]!r}") from error
+            what = "numbers" if rows else "numbers, nor of names such as time, x, y, z, qx, qy, qz, qw"
+            raise Unreadable(f"line {number} is not a line of {what}: {text[:60]!r}") from error
         if len(rows[-1]) != len(rows[0]) or (columns and len(words) <= max(columns.needed())):
             raise Unreadable(f"line {number} has {len(rows[-1])} numbers, the first one {len(rows[0])}")
     if not rows:
         raise Unreadable("it holds no poses")
     table = np.array(rows)
     used = table if columns is None else table[:, columns.needed()]
-    if not np.isfinite(used).all():
-        raise Unreadable("it holds numbers that are not finite")
+    if len(lost := np.flatnonzero(~np.isfinite(used).all(axis=1))):
+        raise Unreadable(f"pose {lost[0] + 1} holds numbers that are not finite: leave out what was lost")
     return table, columns, commas
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from tacos_worlds.kit.mesh_files.gltf_buffers import Buffers, Json
 
 DRACO = "KHR_draco_mesh_compression"
+SPECULAR_GLOSSINESS = "KHR_materials_pbrSpecularGlossiness"
 _CARRIED_OUT = {
     DRACO,
     "EXT_mesh_gpu_instancing",
@@ -14,7 +15,7 @@ _CARRIED_OUT = {
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
-    "KHR_materials_pbrSpecularGlossiness",
+    SPECULAR_GLOSSINESS,
     "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
@@ -39,6 +40,8 @@ _REMEDIES = {
     "KHR_meshopt_compression": "run gltfpack without -c and -cc, or `gltf-transform copy in.glb out.glb`",
     "KHR_texture_basisu": "export textures as PNG or JPEG: gltfpack without -tc, or toktx's source images",
 }
+_CLEAR = 0.9
+"""Base colour of glass from which on it counts as without a tint [1]."""
 _MODES = {0: "points", 1: "lines", 2: "lines", 3: "lines"}
 
 
@@ -78,7 +81,7 @@ def _of_materials(buffers: Buffers, primitives: list[Json]) -> Iterator[str]:
     def named(materials: list[str]) -> str:
         return ", ".join(materials[:5]) + (f" and {len(materials) - 5} more" if len(materials) > 5 else "")
 
-    blended, mixed, glowing, apart, faded = [], [], [], [], []
+    blended, mixed, glowing, apart, faded, stained = [], [], [], [], [], []
     tinted = {
         part.get("material")
         for part in primitives
@@ -90,8 +93,13 @@ def _of_materials(buffers: Buffers, primitives: list[Json]) -> Iterator[str]:
         pbr = material.get("pbrMetallicRoughness") or {}
         if material.get("alphaMode") == "BLEND" and "baseColorTexture" in pbr:
             blended.append(name)
-        if "metallicRoughnessTexture" in pbr:
+        more = material.get("extensions", {})
+        if "metallicRoughnessTexture" in pbr or "specularGlossinessTexture" in more.get(
+            SPECULAR_GLOSSINESS, {}
+        ):
             mixed.append(name)
+        if "KHR_materials_transmission" in more and min(pbr.get("baseColorFactor", (1, 1, 1))[:3]) < _CLEAR:
+            stained.append(name)
         if "emissiveTexture" in material and any(material.get("emissiveFactor", (0, 0, 0))):
             glowing.append(name)
         others = [pbr.get("metallicRoughnessTexture"), material.get("normalTexture")]
@@ -106,6 +114,8 @@ def _of_materials(buffers: Buffers, primitives: list[Json]) -> Iterator[str]:
         yield f"{named(faded)}: opacity of vertices is not carried out"
     if blended:
         yield f"{named(blended)}: alphaMode BLEND is drawn where its texture is opaque from half on"
+    if stained:
+        yield f"{named(stained)}: glass does not tint the light that passes"
     if mixed:
         yield f"{named(mixed)}: roughness and metalness of a texture count by their mean"
     if glowing:

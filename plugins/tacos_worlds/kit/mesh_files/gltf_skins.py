@@ -12,7 +12,7 @@ from tacos_framework import UserError
 from tacos_framework.camera import LINEAR_OF_SRGB_BYTE
 from tacos_worlds.kit.mesh_files.damage import Damaged
 from tacos_worlds.kit.mesh_files.gltf_buffers import Buffers, Json
-from tacos_worlds.kit.mesh_files.gltf_notes import remedy_for
+from tacos_worlds.kit.mesh_files.gltf_notes import SPECULAR_GLOSSINESS, remedy_for
 from tacos_worlds.kit.mesh_files.pictures import picture
 from tacos_worlds.kit.models.model import Skin
 
@@ -67,8 +67,7 @@ class Skins:
         if glow.any() and (glowing := self._texture(entry.get("emissiveTexture"))) is not None:
             glow = glow * LINEAR_OF_SRGB_BYTE[glowing[..., :3]].mean(axis=(0, 1))
         strength = float(more.get("KHR_materials_emissive_strength", {}).get("emissiveStrength", 1.0))
-        mixed = self._texture(pbr.get("metallicRoughnessTexture"))
-        rough, metal = (1.0, 1.0) if mixed is None else mixed[..., 1:3].mean(axis=(0, 1)) / 255
+        rough, metal = self._mean_roughness(pbr)
         unlit = "KHR_materials_unlit" in more
         return Skin(
             name=str(entry.get("name", "")),
@@ -79,12 +78,22 @@ class Skins:
             opacity=opacity,
             texture=None if image is None else image[..., :3],
             normal_map=None if bumps is None or unlit else _doubled(bumps, wraps)[..., :3],
-            roughness=1.0 if unlit else float(np.clip(pbr.get("roughnessFactor", 1.0) * rough, 0, 1)),
+            roughness=1.0 if unlit else float(np.clip(rough, 0, 1)),
             metallic=0.0 if unlit else float(np.clip(pbr.get("metallicFactor", 1.0) * metal, 0, 1)),
             emission=glow * strength * (not unlit),
             two_sided=bool(entry.get("doubleSided", False)),
             unlit=unlit,
         )
+
+    def _mean_roughness(self, pbr: Json) -> tuple[float, float]:
+        """Roughness, and the mean of a texture of metalness, over the whole surface [1]."""
+        factor = float(pbr.get("roughnessFactor", 1.0))
+        if (mixed := self._texture(pbr.get("metallicRoughnessTexture"))) is not None:
+            rough, metal = mixed[..., 1:3].mean(axis=(0, 1)) / 255
+            return factor * float(rough), float(metal)
+        if (glossiness := self._texture(pbr.get("glossinessTexture"))) is not None:
+            return 1 - (1 - factor) * float(glossiness[..., 3].mean()) / 255, 1.0
+        return factor, 1.0
 
     def _sampler(self, info: object) -> Json:
         if not isinstance(info, dict) or "index" not in info:
@@ -124,7 +133,7 @@ class Skins:
 def _pbr(entry: Json) -> dict[str, Any]:
     """A material by metallic-roughness, also where it is only said by specular-glossiness."""
     pbr = entry.get("pbrMetallicRoughness")
-    glossy = entry.get("extensions", {}).get("KHR_materials_pbrSpecularGlossiness")
+    glossy = entry.get("extensions", {}).get(SPECULAR_GLOSSINESS)
     if not isinstance(glossy, dict) or pbr:
         return pbr if isinstance(pbr, dict) else {}
     return _from_specular_glossiness(glossy)
@@ -136,6 +145,7 @@ def _from_specular_glossiness(glossy: Json) -> dict[str, Any]:
         "baseColorFactor": glossy.get("diffuseFactor", (1, 1, 1, 1)),
         "roughnessFactor": 1.0 - float(glossy.get("glossinessFactor", 1.0)),
         "metallicFactor": 0.0,
+        "glossinessTexture": glossy.get("specularGlossinessTexture"),
     }
     if "diffuseTexture" in glossy:
         converted["baseColorTexture"] = glossy["diffuseTexture"]

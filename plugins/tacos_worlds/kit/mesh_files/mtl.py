@@ -17,6 +17,8 @@ _VALUES = {
 _AS_MANY_AS_ARE_NUMBERS = ("-o", "-s", "-t")
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 _OPTION = re.compile(r"-[a-z]+", re.IGNORECASE)
+_COMMENT = re.compile(r"(\.\w{3,4}) +#.*")
+"""After the name of a picture, which may hold a # itself, as names of 3ds Max do."""
 _PICTURES = re.compile(r"(map_\w+|bump|norm|disp|decal|refl)", re.IGNORECASE)
 _EFFECTS = {
     "map_ka": "it has no effect: light is computed",
@@ -31,6 +33,7 @@ _EFFECTS = {
     "disp": "surfaces are smooth",
     "decal": "the picture upon another is not drawn",
     "refl": "it has no effect: reflections are computed",
+    "tf": "glass does not tint the light that passes",
 }
 _OPTION_EFFECTS = {
     "-t": "textures are not stirred by turbulence",
@@ -101,7 +104,7 @@ def read_library(text: str) -> Library:
         elif name not in materials:
             continue
         elif _PICTURES.fullmatch(word):
-            options, picture = split_options(rest)
+            options, picture = split_options(_COMMENT.sub(r"\1", rest))
             if key == "map_kd":
                 materials[name] = replace(_moved(materials[name], options), picture=picture)
                 known = {**dict.fromkeys(options.keys() - _VALUES, _NO_EFFECT), **_OPTION_EFFECTS}
@@ -113,10 +116,10 @@ def read_library(text: str) -> Library:
         else:
             white = key == "tf" and set(_numbers(rest.split())) == {1.0}
             if key not in _READ and not key.startswith("#") and not white:
-                notes[f"{word} is not carried out: {_NO_EFFECT}"] = None
+                notes[f"{word} is not carried out: {_EFFECTS.get(key, _NO_EFFECT)}"] = None
             elif rest.split()[:1] in (["spectral"], ["xyz"]):
                 notes[f"{word} {rest.split()[0]} is not carried out: give red, green and blue"] = None
-            materials[name] = _with(materials[name], key, _numbers(rest.split()))
+            materials[name] = _with(materials[name], key, _numbers(rest.partition("#")[0].split()))
     if materials and all(each.opacity < 0.5 for each in materials.values()):
         notes["d or Tr says that all is clear, which is taken as all opaque"] = None
         materials = {key: replace(each, opacity=1.0) for key, each in materials.items()}

@@ -119,18 +119,8 @@ def read_obj(content: bytes, references: References, most_px: int, most_triangle
 
 
 def _text(content: bytes, references: References) -> str:
-    """The text, with continued lines joined; older programs write names in Latin-1."""
-    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
-        text = content.decode("utf-16")
-    elif b"\0" in content:
-        raise UserError(Fault(references.where, "is no text", "an OBJ file", "Export the model again."))
-    else:
-        try:
-            text = content.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            references.notes.append("names are not in UTF-8, and are read as Latin-1")
-            text = content.decode("latin-1")
-    return re.sub(r"\\[ \t]*(\r\n|\r|\n)", " ", text)
+    """The text, with continued lines joined."""
+    return re.sub(r"\\[ \t]*(\r\n|\r|\n)", " ", references.text_of(content, "an OBJ file"))
 
 
 class _Reader:
@@ -151,7 +141,8 @@ class _Reader:
                 continue
             key, rest = words[0], words[1] if len(words) > 1 else ""
             if key in self._rows:
-                self._rows[key].add(rest.partition("#")[0], place)
+                plain = rest.partition("#")[0].replace(",", ".")  # many countries write decimal commas
+                self._rows[key].add(plain, place)
             elif key in ("f", "fo"):
                 path = tuple(dict.fromkeys(each for each in names.values() if each))
                 try:
@@ -273,7 +264,7 @@ def _library(lines: Sequence[str], references: References) -> Library:
         whole = line.strip().strip('"')
         for name in [whole] if references.has(whole) or " " not in whole else whole.split():
             try:
-                texts.setdefault(name, references.bytes_of(name).decode("utf-8-sig", "replace"))
+                texts.setdefault(name, references.text_of(references.bytes_of(name), "an MTL file"))
             except UserError:
                 continue  # kept among the faults of the references: all are told at once
     library = read_library("\n".join(texts.values()))

@@ -56,10 +56,22 @@ class References:
             raise
         return content
 
+    def text_of(self, content: bytes, what: str) -> str:
+        """Text of a file; older programs write names in Latin-1, which is noted."""
+        if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+            return content.decode("utf-16", "replace")
+        if b"\0" in content:
+            raise UserError(Fault(self.where, "is no text", what, "Export the model again."))
+        try:
+            return content.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            self.notes.append("names are not in UTF-8, and are read as Latin-1")
+            return content.decode("latin-1")
+
     def picture(self, content: bytes, name: str) -> Image:
         """A picture, which is whole and decodes; the fault of one that does not is kept and raised."""
         try:
-            self._decoded_bytes += checked_header(content, self.where, name).decoded_bytes
+            self._decoded_bytes += checked_header(content, self.where, name, of_texture=True).decoded_bytes
             if self._decoded_bytes > _TEXTURES_MB * MB:
                 what = f"its pictures take {self._decoded_bytes / MB:.0f} MB"
                 raise UserError(

@@ -21,6 +21,8 @@ _LEAST_OPACITY = 0.5
 _MOST_TILES = 20_000
 """A mask repeated more often on one surface is finer than can be seen: it is there as a whole or not [1]."""
 _FINEST_PX, _COARSEST_PX = 512, 4
+_NOTABLE, _FEW = 0.3, 0.02
+"""Share of a mask by which the area drawn may differ, and what counts as nothing of it [1]."""
 _FAR = 1e6
 """Beyond any texture coordinate [tiles]."""
 _ROUNDING = 1e-6
@@ -50,11 +52,29 @@ def without_clear(model: Model, *, solid: bool = False) -> Model:
     return replace(model, surfaces=tuple(kept), notes=(*model.notes, *notes))
 
 
-def cut_out(model: Model, most_triangles: int = 100_000) -> Model:
-    """The model with the holes of its masks, and with textures that end at their edges held there."""
+def cut_out(model: Model, most_triangles: int = 200_000) -> Model:
+    """The model with the holes of its masks, and with textures that end at their edges held there.
+
+    Masks whose outlines take more triangles are cut more coarsely, which is told where it changes the area.
+    """
     with_holes = sum(model.skins[s.skin].mask is not None and s.uv is not None for s in model.surfaces)
     most = most_triangles // max(with_holes, 1)
-    return replace(model, surfaces=tuple(_cut(s, model.skins[s.skin], most) for s in model.surfaces))
+    notes: dict[str, None] = {}
+    surfaces = []
+    for surface in model.surfaces:
+        skin = model.skins[surface.skin]
+        surfaces.append(made := _cut(surface, skin, most))
+        if skin.mask is not None and surface.uv is not None and (before := _area(surface)) > 0:
+            drawn, there = _area(made) / before, float((skin.mask >= 255 * skin.cutoff).mean())
+            if abs(drawn - there) > _NOTABLE * max(there, 1 - there):
+                what = "left out" if drawn < _FEW else "drawn solid" if drawn > 1 - _FEW else "cut coarsely"
+                notes[f"{skin.name}: its mask repeats too finely to be cut out, and is {what}"] = None
+    return replace(model, surfaces=tuple(surfaces), notes=(*model.notes, *notes))
+
+
+def _area(surface: Surface) -> float:
+    a, b, c = (surface.vertices[surface.triangles[:, corner]] for corner in range(3))
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
 
 
 def _cut(surface: Surface, skin: Skin, most: int) -> Surface:
