@@ -33,6 +33,7 @@ def light_context(view: View, episode: Episode, exposure: Exposure) -> ImageCont
         motion=FrameMotion.of(view, episode) if moves and len(episode) == 1 else None,
         shutter=view.camera.shutter,
         row_time_us=view.camera.row_time_us,
+        row_time_at_most_us=view.camera.row_time_at_most_us,
         velocity_px_s=partial(image_velocity, view, episode) if moves else None,
         reference_row=(view.camera.height_px - 1) / 2,
     )

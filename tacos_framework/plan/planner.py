@@ -25,7 +25,7 @@ from tacos_framework.plan.nodes import find_nodes
 from tacos_framework.plan.plan import Plan
 from tacos_framework.plan.rig import find_rig
 from tacos_framework.plan.shown import check_truth
-from tacos_framework.plan.units import check_image_sizes
+from tacos_framework.plan.units import check_exposures, check_image_sizes
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import NamedScenario, Recipe
 
@@ -85,6 +85,7 @@ def _plan(findings: RecipeFindings) -> Plan | None:
     )
     check_feasible(findings, plan)
     check_image_sizes(findings, plan)
+    check_exposures(findings, plan)
     return plan
 
 

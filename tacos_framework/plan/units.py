@@ -30,6 +30,30 @@ def check_image_sizes(findings: RecipeFindings, plan: Plan) -> None:
             return
 
 
+def check_exposures(findings: RecipeFindings, plan: Plan) -> None:
+    """No camera takes frames faster than it exposes them: none in this scene could."""
+    if plan.exposure is not None:
+        return
+    longest_ms = max(scenario.exposure_ms for scenario in plan.recipe.scenarios)
+    path: tuple[str, ...] = ("scenario", "exposure_ms")
+    for variable in plan.space.variables:
+        if variable.name.endswith(".exposure_ms"):
+            path, known = ("design", variable.name), variable.as_data()
+            longest_ms = max(known["values"] if "values" in known else [known["upper"]])
+    for scene in plan.graph.of_kind("scene"):
+        config = plan.nodes[scene].config
+        rate_hz = getattr(config, "frame_rate_hz", None)
+        follow = getattr(config, "sampling", "walk") in ("walk", "bursts")
+        if rate_hz and follow and longest_ms > 1000 / rate_hz:
+            findings.add(
+                path,
+                f"exposures of {longest_ms:g} ms are longer than the {1000 / rate_hz:.3g} ms from frame to "
+                f"frame of {scene!r}",
+                "exposures within the time of a frame",
+                f"Shorten them, or give {scene!r} a frame_rate_hz of {1000 / longest_ms:.3g} or less.",
+            )
+
+
 def doubts_of_units(plan: Plan) -> Iterator[str]:
     """Sentences on figures of cameras and scenarios that are most likely in another unit."""
     seen = {"the middle of the design space": _middle(plan)}
@@ -39,8 +63,9 @@ def doubts_of_units(plan: Plan) -> Iterator[str]:
             yield from (f"{title}, {camera.name}: {doubt}" for doubt in doubts_of_camera(camera))
     for scenario in plan.recipe.scenarios:
         exposure_ms = scenario.exposure_ms
-        strange = _beyond("exposure_ms", exposure_ms, _EXPOSURE_MS, "seconds", "microseconds")
-        yield from filter(None, [strange or _longer_than_frames(plan, exposure_ms)])
+        yield from filter(
+            None, [_beyond("exposure_ms", exposure_ms, _EXPOSURE_MS, "seconds", "microseconds")]
+        )
 
 
 def doubts_of_camera(camera: Camera) -> Iterator[str]:
@@ -73,18 +98,6 @@ def _beyond(name: str, value: float, usual: tuple[float, float], larger: str, sm
     unit, likely = (larger, value * 1000) if value < usual[0] else (smaller, value / 1000)
     guess = f"; is it in {unit}? Then it is {likely:g}" if usual[0] <= likely <= usual[1] else ""
     return f"{name} is {value:g}, as of no camera{guess}"
-
-
-def _longer_than_frames(plan: Plan, exposure_ms: float) -> str:
-    for scene in plan.graph.of_kind("scene"):
-        config = plan.nodes[scene].config
-        rate_hz = getattr(config, "frame_rate_hz", None)
-        if rate_hz and getattr(config, "sampling", "walk") == "walk" and exposure_ms > 1000 / rate_hz:
-            return (
-                f"exposure_ms {exposure_ms:g} is longer than the {1000 / rate_hz:.3g} ms from frame to frame "
-                f"({scene}.frame_rate_hz {rate_hz:g}): no camera takes frames so fast"
-            )
-    return ""
 
 
 def _middle(plan: Plan) -> Mapping[str, Any]:

@@ -37,6 +37,9 @@ class Electrons:
     """Gain from which on a second, higher conversion gain is used [dB], and the read noise there [e-]."""
     converter_bits: int | None = None
     """Bits of the converter that reads it [bit]."""
+    red_over_green: float | None = None
+    blue_over_green: float | None = None
+    """Signal of its red and blue photosites over that of the green ones, of grey in daylight [1]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +81,8 @@ class Camera:
     """``global``: all rows are exposed at once; ``rolling``: one after the other; None is unknown."""
     row_time_us: float | None = None
     """From one row of photosites read out to the next, where the shutter is rolling; None is unknown [us]."""
+    row_time_at_most_us: float | None = None
+    """What its frame rate leaves for a row; None is unknown [us]."""
 
     def __post_init__(self) -> None:
         if self.width_px < 1 or self.height_px < 1:

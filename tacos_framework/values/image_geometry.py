@@ -168,6 +168,8 @@ class ImageContext:
     """``global`` or ``rolling``."""
     row_time_us: float | None = None
     """From the read-out of one row of photosites to that of the next, where the shutter is rolling [us]."""
+    row_time_at_most_us: float | None = None
+    """What the camera's frame rate leaves for that [us]."""
     frame_interval_s: float | None = None
     """Time from frame to frame; None for frames that do not follow each other [s]."""
     reference_row: float = 0.0

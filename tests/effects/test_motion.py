@@ -214,7 +214,25 @@ def test_it_says_what_it_assumes_of_a_shutter():
     assert effect.origins(unknown) == {"shutter": "assumed global: not published"}
     assert "assumed to be 15 us a row" in effect.origins(rolling)["line time"]
     assert effect.origins(known)["line time"] == "20 us a row, as the catalog states"
+    fast = replace(rolling, row_time_at_most_us=5.48)
+    assert effect.origins(fast)["line time"] == "assumed to be 5.48 us a row, all that its frame rate leaves"
+    faster = replace(known, row_time_at_most_us=12.0)
+    assert effect.origins(faster)["line time"] == "12 us a row, all that its frame rate leaves"
+    assert (
+        Motion(Motion.Config(row_time_us=30))
+        .origins(fast)["line time"]
+        .startswith("30 us a row, as the recipe")
+    )
+
     assert strict.lacks(Rig((unknown,))) == "the shutter of IMX is unknown"
     assert strict.lacks(Rig((rolling,))) == "the line time of IMX is unknown"
     assert strict.lacks(Rig((known,))) is None
     assert effect.lacks(Rig((unknown,))) is None
+
+
+def test_no_line_takes_longer_than_the_frame_rate_leaves():
+    slow = camera(shutter="rolling", row_time_us=4 * ROW_TIME_US)
+    bounded, known = replace(slow, row_time_at_most_us=ROW_TIME_US), replace(slow, row_time_us=ROW_TIME_US)
+    episode = trip(MOTIONS["turn"])
+    one, other = (moved(cast(episode, each, (FAR,)), episode) for each in (bounded, known))
+    np.testing.assert_array_equal(one.luminance_cd_m2, other.luminance_cd_m2)

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from toy_study import toy_recipe
 
+from tacos_framework import load_recipe
 from tacos_framework.errors import UserError
 from tacos_framework.plan import make_plan
 from tacos_framework.plan.units import doubts_of_camera, doubts_of_units
@@ -62,3 +63,24 @@ def test_binning_that_leaves_no_image_is_a_fault(toys: Plugins) -> None:
     with pytest.raises(UserError, match="2000 leaves an image of 1 x 1 pixels") as refused:
         make_plan(toy_recipe(rig={**rig, "binning": 2000}), toys)
     assert "rig.binning" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("sets", "place"),
+    [
+        ({"scenario.exposure_ms": 150.0}, "scenario.exposure_ms"),
+        ({"design.scenario.exposure_ms": {"choose": [4, 150]}}, "design.scenario.exposure_ms"),
+        ({"design.scenario.exposure_ms": {"between": [4, 150]}}, "design.scenario.exposure_ms"),
+    ],
+)
+def test_exposures_longer_than_the_time_of_a_frame_are_refused(sets: Any, place: str) -> None:
+    plugins = Plugins.discover()
+    if "scenario.exposure_ms" in sets:
+        sets = {**sets, "design": {"camera": {"from": "cameras"}}}
+    with pytest.raises(UserError) as refused:
+        make_plan(load_recipe("buy_headset", sets), plugins)
+    (fault,) = refused.value.faults
+    assert fault.what == "exposures of 150 ms are longer than the 100 ms from frame to frame of 'world'"
+    assert "a frame_rate_hz of 6.67 or less" in fault.remedy
+    assert place in fault.where
+    assert make_plan(load_recipe("buy_headset", {**sets, "nodes.world.frame_rate_hz": 6}), plugins)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from tacos_framework.catalog import find_catalog
 from tacos_framework.values import Camera, Electrons, Exposure, Rig
-from tacos_plugins.sensors.camera import CameraSensor
+from tacos_plugins.sensors.camera import COLOURS, CameraSensor
 from tacos_plugins.sensors.emva import NEEDED
 from tacos_plugins.sensors.mosaic_noise import averaged_variances
 from tacos_plugins.sensors.photosite_prior import PRIORS, assumed
@@ -41,6 +41,15 @@ def test_priors_are_those_of_the_shipped_catalogs(figure: str) -> None:
     spread = math.sqrt(np.sum((transformed - intercept - slope * pitch) ** 2) / (len(y) - 2))
     assert prior.sensors == len(y)
     assert (prior.intercept, prior.slope, prior.spread) == pytest.approx((intercept, slope, spread), abs=2e-3)
+
+
+@pytest.mark.parametrize("figure", COLOURS)
+def test_colours_are_those_of_the_shipped_catalogs(figure: str) -> None:
+    rows = [row for name in ("image_sensors", "image_sensors_more") for row in find_catalog(name).rows]
+    logs = [math.log(row.values[figure]) for row in rows if row.values.get(figure) is not None]
+    prior = PRIORS[figure]
+    assert prior.sensors == len(logs)
+    assert (prior.intercept, prior.spread) == pytest.approx((np.mean(logs), np.std(logs, ddof=1)), abs=2e-3)
 
 
 @given(draw=st.integers(1, 1000), figure=st.sampled_from(sorted(PRIORS)))
@@ -78,7 +87,7 @@ def test_noise_in_the_file_is_that_before_and_after_the_gain() -> None:
         _, variance = model.moments(dark, camera=CAMERA, exposure=exposure)
         gain = model.gain_dn_per_e(CAMERA, exposure)
         dark_e = model.photosite(CAMERA).dark_current_e_s * exposure.time_s
-        found.append(float(variance[0, 0, 0, 0]) / gain**2 - dark_e)
+        found.append(float(variance[0, 0, 0, 1]) / gain**2 - dark_e)
     assert found == pytest.approx([16.0, 16 * (0.25 + 0.0075), 4.0], rel=1e-3)
 
 
@@ -88,10 +97,9 @@ def test_drawn_noise_has_the_moments_it_states() -> None:
     samples = np.full((1, 200, 200, 3), 600.0, np.float32)
     mean, variance = model.moments(samples, camera=CAMERA, exposure=exposure)
     drawn = model.draw(samples, camera=CAMERA, exposure=exposure, rng=np.random.default_rng(2))
-    assert drawn.mean() == pytest.approx(
-        float(mean.mean()), abs=4 * math.sqrt(float(variance.mean()) / 1.2e5)
-    )
-    assert drawn.var() == pytest.approx(float(variance.mean()), rel=0.02)
+    mean, variance = mean[0, 0, 0], variance[0, 0, 0]
+    assert drawn.mean(axis=(0, 1, 2)) == pytest.approx(mean, abs=4 * math.sqrt(variance.max() / 4e4))
+    assert drawn.var(axis=(0, 1, 2)) == pytest.approx(variance, rel=0.04)
 
 
 def test_no_camera_lacks_anything() -> None:
@@ -102,14 +110,40 @@ MONO, COLOUR = (replace(CAMERA, colour=colour) for colour in ("mono", "colour"))
 
 
 def test_a_part_without_filters_gives_one_channel_of_three_times_the_light() -> None:
-    grey = np.full((1, 2, 2, 3), 5.0, np.float32)
-    bare, filtered = (sensor().expect(grey, camera=camera, exposure=Exposure()) for camera in (MONO, COLOUR))
+    """Of a mosaic's photosites, half of them green, the mean gathers a third."""
+    grey, raw = np.full((1, 2, 2, 3), 5.0, np.float32), sensor(white_balance=False)
+    bare, filtered = (raw.expect(grey, camera=camera, exposure=Exposure()) for camera in (MONO, COLOUR))
     assert bare.shape == (1, 2, 2, 1)
     assert filtered.shape == (1, 2, 2, 3)
-    np.testing.assert_allclose(bare, 3 * filtered[..., :1], rtol=1e-6)
+    np.testing.assert_allclose(bare[..., 0], 3 * (filtered @ [0.25, 0.5, 0.25]), rtol=1e-6)
     blue = np.array([[[[0.0, 0.0, 5.0]]]], np.float32)
     of_blue = sensor().expect(blue, camera=MONO, exposure=Exposure())
     assert float(of_blue[0, 0, 0, 0]) == pytest.approx(0.0722 * float(bare[0, 0, 0, 0]), rel=1e-5)
+
+
+def test_colours_are_the_parts_own_and_white_balance_makes_grey_of_them() -> None:
+    imx296 = replace(COLOUR, electrons=Electrons("IMX296", red_over_green=0.264, blue_over_green=0.651))
+    grey = np.full((1, 1, 1, 3), 5.0, np.float32)
+    raw = sensor(white_balance=False).expect(grey, camera=imx296, exposure=Exposure())[0, 0, 0]
+    assert raw / raw[1] == pytest.approx([0.264, 1, 0.651], rel=1e-5)
+    assert sensor().expect(grey, camera=imx296, exposure=Exposure())[0, 0, 0] == pytest.approx(raw[1])
+    own = sensor(channel_response=(0.1, 0.4, 0.2), white_balance=False)
+    found = own.expect(grey, camera=imx296, exposure=Exposure())[0, 0, 0]
+    green = 4 / 3 / (0.264 + 2 + 0.651)
+    assert found == pytest.approx(raw[1] / green * np.array([0.1, 0.4, 0.2]), rel=1e-5)
+    assert sensor().origins(imx296)["red_over_green"] == "catalog"
+    assert sensor().origins(COLOUR)["blue_over_green"].startswith("assumed from 7 sensors")
+    assert not set(COLOURS) & set(sensor().origins(MONO))
+
+
+def test_white_balance_amplifies_the_noise_of_red_by_its_gain() -> None:
+    """Of equal grey, red has fewer electrons by r, each of which is 1 / r as bright: var K x / r."""
+    weak = replace(COLOUR, electrons=Electrons("X", red_over_green=0.25, blue_over_green=1.0))
+    model = sensor(read_noise_e=0.0, dark_current_e_s=0.0)
+    samples = np.full((1, 200, 200, 3), 500.0, np.float32)
+    drawn = model.draw(samples, camera=weak, exposure=Exposure(), rng=np.random.default_rng(1))
+    variances = drawn.var(axis=(0, 1, 2))
+    assert variances / variances[1] == pytest.approx([4.0, 1.0, 1.0], rel=0.06)
 
 
 @pytest.mark.parametrize("camera", [MONO, COLOUR])

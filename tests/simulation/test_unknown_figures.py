@@ -18,6 +18,8 @@ KNOWN = {
     "full_well_e": 10_000.0,
     "read_noise_e": 2.0,
     "dark_current_e_s": 5.0,
+    "red_over_green": 0.5,
+    "blue_over_green": 0.7,
 }
 PART = {"width_px": 16, "height_px": 8, "pixel_um": PITCH_UM}
 SCENES = 40

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
@@ -29,8 +30,9 @@ class Motion:
     depth and ids of a row are those of the middle of its exposure; the frame's moment is that of the middle
     row. What a near thing covers or uncovers during the exposure keeps the way of the middle.
 
-    Whether the shutter is rolling, and its line time, are the camera's. Rows binned on the sensor are read
-    one by one, rows outside a region of interest are not read.
+    Whether the shutter is rolling, and its line time, are the camera's; no line takes longer than its frame
+    rate leaves. Rows binned on the sensor are read one by one, rows outside a region of interest are not
+    read.
 
     Source: Meingast, Geyer and Sastry 2005, "Geometric models of rolling-shutter cameras", OMNIVIS.
     """
@@ -87,7 +89,7 @@ class Motion:
         if unknown == "the shutter":
             said = {"shutter": "assumed global: not published"}
         if shutter == "rolling":
-            said["line time"] = self._said(self._row_time_us(camera), unknown is not None)
+            said["line time"] = self._said(camera, unknown is not None)
         return said
 
     def on_array(
@@ -151,9 +153,14 @@ class Motion:
         return (of_part or "global") if self.config.shutter == "part" else self.config.shutter
 
     def _row_time_us(self, part: Camera | ImageContext) -> float:
-        """From row to row of photosites where the shutter is rolling [us]."""
-        known = (self.config.row_time_us, part.row_time_us, self.config.assumed_row_time_us)
-        return next(each for each in known if each is not None)
+        """From row to row of photosites where the shutter is rolling [us].
+
+        A line time of the part, or an assumed one, takes no longer than the part's frame rate leaves.
+        """
+        if self.config.row_time_us is not None:
+            return self.config.row_time_us
+        row_time_us = self.config.assumed_row_time_us if part.row_time_us is None else part.row_time_us
+        return min(row_time_us, math.inf if part.row_time_at_most_us is None else part.row_time_at_most_us)
 
     def _unknown_of(self, camera: Camera) -> str | None:
         """The unknown figure of a camera that the effect needs."""
@@ -166,12 +173,15 @@ class Motion:
             return "the line time"
         return None
 
-    def _said(self, row_time_us: float, assumed: bool) -> str:
+    def _said(self, camera: Camera, assumed: bool) -> str:
         """Origin of a line time."""
-        if assumed:
-            return f"assumed to be {row_time_us:g} us a row (assumed_row_time_us)"
-        source = "as the recipe sets" if self.config.row_time_us is not None else "as the catalog states"
-        return f"{row_time_us:g} us a row, {source}"
+        row_time_us = self._row_time_us(camera)
+        said = f"{row_time_us:.3g} us a row"
+        if self.config.row_time_us is not None:
+            return f"{said}, as the recipe sets"
+        if row_time_us == camera.row_time_at_most_us:
+            return f"{'assumed to be ' if assumed else ''}{said}, all that its frame rate leaves"
+        return f"assumed to be {said} (assumed_row_time_us)" if assumed else f"{said}, as the catalog states"
 
 
 def _named(camera: Camera) -> str:

@@ -172,7 +172,8 @@ def _line_time_us(sensor: SensorPart) -> float:
     """Time from row to row of a rolling shutter; 0 of any other [us]."""
     if sensor.exposes != "rolling":
         return 0.0
-    return TYPICAL_ROW_TIME_US if sensor.row_time_us is None else sensor.row_time_us
+    row_time_us = TYPICAL_ROW_TIME_US if sensor.row_time_us is None else sensor.row_time_us
+    return min(row_time_us, sensor.row_time_at_most_us or math.inf)
 
 
 def mounted_camera(
@@ -210,4 +211,5 @@ def mounted_camera(
         colour=variables.sensor.colour,
         shutter=variables.sensor.exposes,
         row_time_us=variables.sensor.row_time_us if variables.sensor.exposes == "rolling" else None,
+        row_time_at_most_us=variables.sensor.row_time_at_most_us,
     )

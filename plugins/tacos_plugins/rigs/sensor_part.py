@@ -41,6 +41,10 @@ class SensorPart(PricedPart):
     high_gain_read_noise_e: float | None = setting(
         None, help="Read noise at that gain, if known.", unit="e-", ge=0
     )
+    red_over_green: float | None = setting(
+        None, help="Signal of its red photosites over the green ones', of grey in daylight, if known.", gt=0
+    )
+    blue_over_green: float | None = setting(None, help="The same of its blue ones, if known.", gt=0)
     colour: Literal["colour", "mono"] | None = setting(
         None, help="Colour filters over its photosites, if known."
     )
@@ -141,6 +145,18 @@ class SensorPart(PricedPart):
         return self.model_copy(update={**sizes, "pixel_um": self.pixel_um * binning})
 
     @property
+    def row_time_at_most_us(self) -> float | None:
+        """Line time with which its rows just make its frame rate; None where that is not known [us].
+
+        Examples
+        --------
+        >>> round(SensorPart(width_px=4056, height_px=3040, pixel_um=1.55, max_fps=60).row_time_at_most_us, 2)
+        5.48
+        """
+        rate = max((rate for rate in (self.max_fps, self.frame_rate_fps) if rate is not None), default=None)
+        return None if rate is None else 1e6 / (rate * self.height_px)
+
+    @property
     def electrons(self) -> Electrons:
         """Known figures of its photosites in electrons."""
         return Electrons(
@@ -152,6 +168,8 @@ class SensorPart(PricedPart):
             self.high_gain_from_db,
             self.high_gain_read_noise_e,
             bits_of(self.bit_depth),
+            self.red_over_green,
+            self.blue_over_green,
         )
 
 

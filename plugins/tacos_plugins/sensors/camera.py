@@ -18,6 +18,7 @@ from tacos_plugins.sensors.mosaic_noise import FILTERED, averaged_variances
 from tacos_plugins.sensors.photosite_prior import Draw, assumed, assumed_from
 
 AFTER_GAIN = "read_noise_share_after_gain"
+COLOURS = ("red_over_green", "blue_over_green")
 MIDDLE: Draw = (0,)
 STATED_AT_C = 25.0
 """Temperature that dark currents of catalogs are taken to hold at, as few say [deg C]."""
@@ -38,8 +39,9 @@ class CameraSensor(Emva):
     part's converter, where its bits are known and fewer than those of the files. From
     `high_gain_from_db` on, r is that of a second conversion gain, and G counts from there.
 
-    A part without filters gives one channel, by the light's luminance, and collects three times the light of
-    one with filters. Where blocks of b x b pixels of a mosaic are simulated as one, each colour has the noise
+    A part without filters gives one channel, by the light's luminance. Filters pass a third of the light on
+    average, most to green and least to red; white balance amplifies red and blue, and their noise with them.
+    Where blocks of b x b pixels of a mosaic are simulated as one, each colour has the noise
     that averaging its reconstructed pixels leaves; the mosaic itself is `effect.demosaic`, at b = 1.
 
     Dark current doubles every `dark_doubling_c` degrees (EMVA 1288, release 4.0).
@@ -62,9 +64,15 @@ class CameraSensor(Emva):
             help="Colour images, or luminance in one channel; by-part as the image sensor is, in colour "
             "where that is not known.",
         )
-        channel_response: tuple[float, float, float] = setting(
-            (FILTERED, FILTERED, FILTERED),
-            help="Light that the filters of R, G and B pass, of that which a photosite without gathers.",
+        channel_response: tuple[float, float, float] | None = setting(  # type: ignore[assignment]
+            None,
+            help="Light that makes electrons behind the filters of R, G and B, of that which a photosite "
+            "without gathers; by default a third on average, shared out as the catalog or the prior has it.",
+        )
+        white_balance: bool = setting(
+            True,
+            help="Amplify red and blue until grey is grey, as cameras do; false leaves files in the colours "
+            "of the filters.",
         )
         read_noise_share_after_gain: float | None = setting(
             None,
@@ -121,6 +129,22 @@ class CameraSensor(Emva):
         warmer = 2 ** ((self.config.temperature_c - STATED_AT_C) / self.config.dark_doubling_c)
         return replace(site, dark_current_e_s=site.dark_current_e_s * warmer)
 
+    def channel_response(self, camera: Camera) -> tuple[float, float, float]:
+        """Light behind the filters of a mosaic, of which half is green, over that without."""
+        if self.config.channel_response is not None:
+            return self.config.channel_response
+        red, blue = (self._figure(camera, name) for name in COLOURS)
+        green = 4 * FILTERED / (red + 2 + blue)
+        return red * green, green, blue * green
+
+    def sample_gain_dn_per_e(self, camera: Camera, exposure: Exposure) -> float | NDArray[np.float64]:
+        """System gain, of red and blue with their white balance."""
+        gain = self.gain_dn_per_e(camera, exposure)
+        if not self.config.white_balance or self.is_mono(camera):
+            return gain
+        response = np.array(self.channel_response(camera))
+        return gain * response[1] / response
+
     def photosites(self, camera: Camera) -> float | NDArray[np.float64]:
         """Number of photosites averaged into a sample: of a mosaic, as many as have the noise it has."""
         if self.config.channels == "by-part" and camera.colour != "mono" and camera.simulated_binning > 1:
@@ -148,6 +172,10 @@ class CameraSensor(Emva):
                 found[figure] = "settings"
             else:
                 found[figure] = assumed_from(figure)
+        if not self.is_mono(camera) and self.config.channel_response is None:
+            for figure in COLOURS:
+                known = getattr(camera.electrons, figure) is not None
+                found[figure] = "catalog" if known else assumed_from(figure)
         if self.config.channels == "by-part":
             found["colour"] = "assumed, as the catalog does not say" if camera.colour is None else "catalog"
         return found
@@ -168,7 +196,12 @@ class CameraSensor(Emva):
 
     def _known(self, camera: Camera, name: str) -> float:
         stated = self._stated(camera, name)
-        if stated is not None:
-            return stated
+        return self._figure(camera, name) if stated is None else stated
+
+    def _figure(self, camera: Camera, name: str) -> float:
+        """A figure by the catalog, else by its prior."""
+        of_catalog: float | None = getattr(camera.electrons, name, None)
+        if of_catalog is not None:
+            return of_catalog
         sensor = camera.electrons.sensor
         return assumed(name, sensor=sensor, pixel_um=camera.pixel_um, draw=self.draw_of_priors)

@@ -113,7 +113,7 @@ class Emva:
                     "Lower black_level_dn or raise bit_depth.",
                 )
             )
-        if not all(response > 0 for response in config.channel_response):
+        if not all(response > 0 for response in config.channel_response or ()):
             faults.append(
                 Fault(
                     "sensor.emva", f"channel_response is {config.channel_response}", "three numbers above 0"
@@ -141,9 +141,9 @@ class Emva:
         if self.is_mono(camera):
             light_cd_m2 = luminance(light_cd_m2)[..., None].astype(np.float32)
         else:
-            light_cd_m2 = light_cd_m2 * np.array(self.config.channel_response, np.float32)
-        gain = self.gain_dn_per_e(camera, exposure)
-        samples = light_cd_m2 * np.float32(gain * self.electrons_per_luminance(camera, exposure))
+            light_cd_m2 = light_cd_m2 * np.array(self.channel_response(camera), np.float32)
+        gain = self.sample_gain_dn_per_e(camera, exposure)
+        samples = light_cd_m2 * np.asarray(gain * self.electrons_per_luminance(camera, exposure), np.float32)
         samples += np.float32(self.black_level_dn)
         return samples
 
@@ -156,7 +156,10 @@ class Emva:
         photon_scale: float = 1.0,
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """See `tacos_framework.contracts.Sensor.moments`; the mean has the dark signal."""
-        site, gain = self.photosite(camera), np.float32(self.gain_dn_per_e(camera, exposure))
+        site, gain = (
+            self.photosite(camera),
+            np.asarray(self.sample_gain_dn_per_e(camera, exposure), np.float32),
+        )
         dark_e = np.float32(site.dark_current_e_s * exposure.time_s)
         electrons = np.maximum((samples_dn - np.float32(self.black_level_dn)) / gain + dark_e, 0)
         variance_e2 = np.float32(photon_scale) * electrons + np.float32(
@@ -174,7 +177,7 @@ class Emva:
         rng: np.random.Generator,
         photon_scale: float = 1.0,
     ) -> NDArray[np.float32]:
-        site, gain = self.photosite(camera), self.gain_dn_per_e(camera, exposure)
+        site, gain = self.photosite(camera), self.sample_gain_dn_per_e(camera, exposure)
         above_black = samples_dn - np.float32(self.black_level_dn)
         electrons = count_electrons(
             above_black / gain + site.dark_current_e_s * exposure.time_s,
@@ -184,13 +187,23 @@ class Emva:
             photosites=self.photosites(camera),
             photon_scale=photon_scale,
         )
-        return np.asarray(electrons * np.float32(gain) + np.float32(self.black_level_dn), np.float32)
+        return np.asarray(
+            electrons * np.asarray(gain, np.float32) + np.float32(self.black_level_dn), np.float32
+        )
 
     def is_mono(self, camera: Camera) -> bool:
         """True if a camera's images have one channel."""
         if self.config.channels == "by-part":
             return camera.colour == "mono"
         return self.config.channels == "mono"
+
+    def channel_response(self, camera: Camera) -> tuple[float, float, float]:
+        """Light that makes electrons in R, G and B, over that behind `quantum_efficiency` alone [1]."""
+        return self.config.channel_response
+
+    def sample_gain_dn_per_e(self, camera: Camera, exposure: Exposure) -> float | NDArray[np.float64]:
+        """System gain of each channel; an array where they differ [DN/e-]."""
+        return self.gain_dn_per_e(camera, exposure)
 
     def photosites(self, camera: Camera) -> float | NDArray[np.float64]:
         """Number of photosites averaged into a sample; an array where it differs by channel [1]."""

@@ -11,7 +11,8 @@ Source: Full well, read noise, quantum efficiency: least squares over all parts 
 ``image_sensors`` and ``image_sensors_more`` that know them (29, 28 and 18 sensors), which a test repeats.
 Dark current: published figures of CMV4000, IMX900 and OV5647 (125, 1.47 and 16 e-/s), without a dependence on
 the pitch. Read noise after the gain: its share of the dark variance at the lowest ISO from 100 on of 223
-still cameras (profiles published with darktable), as the recipe `noise_over_gain` fits it.
+still cameras (profiles published with darktable), as the recipe `noise_over_gain` fits it. Red and blue over
+green: grey at 6500 K in raw files of seven sensors of the catalogs, as drivers of libcamera are calibrated.
 """
 
 from __future__ import annotations
@@ -52,6 +53,8 @@ PRIORS: Mapping[str, FigurePrior] = MappingProxyType(
         "read_noise_e": FigurePrior(0.807, 0.293, 0.560, 28),
         "dark_current_e_s": FigurePrior(2.66, 0.0, 2.2, 3),
         "read_noise_share_after_gain": FigurePrior(3.57, 0.0, 2.2, 223, is_share=True),
+        "red_over_green": FigurePrior(-0.889, 0.0, 0.321, 7),
+        "blue_over_green": FigurePrior(-0.327, 0.0, 0.124, 7),
     }
 )
 """By name of the figure."""
