@@ -6,7 +6,7 @@ import io
 import json
 import struct
 import sys
-from base64 import b64encode
+from base64 import b64decode, b64encode
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +38,7 @@ class Tree:
             "scenes": [{"nodes": [0]}],
         }
         self._data = b""
+        self.more_buffers: list[dict[str, Any]] = []
         indices = self.array(np.array([0, 1, 2, 0, 2, 3], "<u2"), "SCALAR")
         self.primitive: dict[str, Any] = {
             "attributes": {"POSITION": self.array(SQUARE, "VEC3")},
@@ -60,7 +61,8 @@ class Tree:
 
     def read(self, folder: Path, name: str = "Square.GLTF") -> Model:
         uri = f"data:application/octet-stream;base64,{b64encode(self._data).decode()}"
-        self.tree["buffers"] = [{"uri": uri, "byteLength": len(self._data), **self.tree.pop("of_buffer", {})}]
+        own = {"uri": uri, "byteLength": len(self._data), **self.tree.pop("of_buffer", {})}
+        self.tree["buffers"] = [own, *self.more_buffers]
         (folder / name).write_text("\ufeff" + json.dumps(self.tree))
         return read_model(folder / name, most_px=64)
 
@@ -201,8 +203,9 @@ def test_draco_without_its_library_or_whole_data_is_a_fault(
 
 @pytest.mark.parametrize("stands_in", [False, True])
 def test_meshes_packed_by_meshopt_are_read_where_plain_ones_stand_beside_them(
-    stands_in: bool, tmp_path: Path
+    stands_in: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setitem(sys.modules, "meshopt", None)
     made, extension = Tree(), "EXT_meshopt_compression"
     for view in made.tree["bufferViews"]:
         view["extensions"] = {extension: {"buffer": 0, "byteLength": 4, "byteStride": 12, "count": 1}}
@@ -211,8 +214,76 @@ def test_meshes_packed_by_meshopt_are_read_where_plain_ones_stand_beside_them(
         assert len(made.read(tmp_path).surfaces) == 1
         return
     made.tree["of_buffer"] = {"extensions": {extension: {"fallback": True}}}
-    with pytest.raises(UserError, match="gltfpack without -c"):
+    with pytest.raises(UserError, match=r"tacos-framework\[meshopt\].*gltfpack without -c"):
         made.read(tmp_path)
+
+
+def packed_by_meshopt(meshopt: Any, indices: np.ndarray, mode: str) -> Tree:
+    """A square whose positions are halves of single precision and whose indices are of a mode."""
+    made, extension = Tree(), "EXT_meshopt_compression"
+    made.tree |= {"extensionsRequired": [extension], "extensionsUsed": [extension]}
+    for name, values, way in (("POSITION", 2 * SQUARE, "ATTRIBUTES"), ("indices", indices, mode)):
+        data = made.view(meshopt.encode_gltf_buffer(values, way))
+        view = made.tree["bufferViews"][data]
+        stride = values.nbytes // len(values)
+        packed = {**view, "byteStride": stride, "count": len(values), "mode": way}
+        plain = {"buffer": 1, "byteLength": values.nbytes, "extensions": {extension: packed}}
+        made.tree["bufferViews"].append(plain)
+        kind, code = ("VEC3", 5126) if name == "POSITION" else ("SCALAR", 5123)
+        entry = {"bufferView": data + 1, "componentType": code, "count": len(values), "type": kind}
+        made.tree["accessors"].append(entry)
+        holder = made.primitive["attributes"] if name == "POSITION" else made.primitive
+        holder[name] = len(made.tree["accessors"]) - 1
+    made.more_buffers = [{"byteLength": 60, "extensions": {extension: {"fallback": True}}}]
+    return made
+
+
+@pytest.mark.parametrize("mode", ["TRIANGLES", "INDICES"])
+def test_meshes_packed_by_meshopt_are_read(mode: str, tmp_path: Path) -> None:
+    meshopt = pytest.importorskip("meshopt")
+    model = packed_by_meshopt(meshopt, np.array([0, 1, 2, 0, 2, 3], "<u2"), mode).read(tmp_path)
+    (surface,) = model.surfaces
+    doubled = np.sort((2 * SQUARE)[[0, 1, 2, 0, 2, 3]], axis=0)
+    np.testing.assert_allclose(np.sort(surface.vertices[surface.triangles].reshape(-1, 3), axis=0), doubled)
+    assert model.notes == ()
+
+
+def test_spoilt_meshopt_is_a_fault(tmp_path: Path) -> None:
+    pytest.importorskip("meshopt")
+    made, extension = Tree(), "EXT_meshopt_compression"
+    packed = {"buffer": 0, "byteLength": 8, "byteStride": 12, "count": 4, "mode": "ATTRIBUTES"}
+    made.tree["bufferViews"][1]["extensions"] = {extension: packed}
+    made.tree["of_buffer"] = {"extensions": {extension: {"fallback": True}}}
+    with pytest.raises(UserError, match="cannot be unpacked"):
+        made.read(tmp_path)
+
+
+KTX2 = (
+    "q0tUWCAyMLsNChoKAAAAAAEAAAAEAAAABAAAAAAAAAAAAAAAAQAAAAEAAAACAAAAaAAAACwAAACUAAAAJAAAAAAAAAAAAAAA"
+    "AAAAAAAAAAC4AAAAAAAAABkAAAAAAAAAEAAAAAAAAAAsAAAAAAAAAAIAKACmAQIAAwMAABAAAAAAAAAAAAB/AAAAAAAAAAAA"
+    "/////x8AAABLVFh3cml0ZXIAQmFzaXMgVW5pdmVyc2FsIDIuMTAAACi1L/0gEIEAABcZReu/peEAAAAAAAAAAAA="
+)
+"""4 x 4 pixels of (200, 40, 90)."""
+
+
+@pytest.mark.parametrize("library", [True, False])
+def test_textures_of_ktx2_are_their_colours(
+    library: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made, extension = Tree(), "KHR_texture_basisu"
+    made.tree["images"] = [{"bufferView": made.view(b64decode(KTX2)), "mimeType": "image/ktx2"}]
+    made.tree |= {"textures": [{"extensions": {extension: {"source": 0}}}], "extensionsRequired": [extension]}
+    made.tree["materials"] = [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]
+    made.primitive["material"] = 0
+    if not library:
+        monkeypatch.setitem(sys.modules, "opengl_basisu", None)
+        with pytest.raises(UserError, match=r"tacos-framework\[ktx2\].*gltfpack without -tc"):
+            made.read(tmp_path)
+        return
+    pytest.importorskip("opengl_basisu")
+    texture = made.read(tmp_path).skins[0].texture
+    assert texture is not None
+    np.testing.assert_allclose(texture[2, 2], (200, 40, 90), atol=6)
 
 
 @pytest.mark.parametrize("suffix", ["webp", "png", "jpg", "bmp", "tif", "tga", "dds", "gif"])

@@ -4,6 +4,7 @@
 ``gltf``          glTF, by ``gltf_buffers``, ``gltf_primitives``, ``gltf_skins`` and ``gltf_notes``
 ``obj``           OBJ, with libraries of materials by ``mtl`` and ``mtl_skins``
 ``ply``, ``stl``  those
+``packed``        meshopt and KTX2, by optional libraries
 ``polygons``      polygons as triangles
 ``precision``     what single precision has already rounded
 ``references``    files and pictures that a file names

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from tacos_framework import UserError
 from tacos_framework.files import limits, parse_json, too_large
 from tacos_worlds.kit.mesh_files.damage import Damaged
+from tacos_worlds.kit.mesh_files.packed import MESHOPT, meshopt_view
 from tacos_worlds.kit.mesh_files.references import References
 
 Json = dict[str, Any]
@@ -47,6 +48,7 @@ class Buffers:
             raise Damaged("it is not glTF 2.0: asset.version is missing or another")
         self.header: Json = header
         self._buffers: dict[int, memoryview] = {}
+        self._unpacked: dict[str, memoryview] = {}
 
     def listed(self, name: str) -> list[Json]:
         entries = self.header.get(name, [])
@@ -61,19 +63,21 @@ class Buffers:
         return entries[index]
 
     def view(self, index: object) -> memoryview:
-        entry = self.entry("bufferViews", index)
-        if packed := {"EXT_meshopt_compression", "KHR_meshopt_compression"} & set(
-            entry.get("extensions", {})
-        ):
-            self._refuse_packed(entry.get("buffer"), min(packed))
-        return _cut(self._buffer(entry.get("buffer")), entry, f"bufferViews[{index}]")
+        entry, where = self.entry("bufferViews", index), f"bufferViews[{index}]"
+        extension = next((name for name in MESHOPT if name in entry.get("extensions", {})), None)
+        if extension is None or self._has_plain(entry.get("buffer"), extension):
+            return _cut(self._buffer(entry.get("buffer")), entry, where)
+        if where not in self._unpacked:
+            packed = entry["extensions"][extension]
+            content = bytes(_cut(self._buffer(packed.get("buffer")), packed, where))
+            self._unpacked[where] = meshopt_view(content, packed, extension, self.references.where)
+        return self._unpacked[where]
 
-    def _refuse_packed(self, buffer: object, extension: str) -> None:
-        """Raise where a buffer has nothing for readers that do not unpack."""
+    def _has_plain(self, buffer: object, extension: str) -> bool:
+        """True if a buffer has data for readers that do not unpack."""
         entry = self.entry("buffers", buffer)
         stands_in = entry.get("extensions", {}).get(extension, {}).get("fallback", False)
-        if stands_in or not ("uri" in entry or (buffer == 0 and self._embedded is not None)):
-            raise Damaged(f"it is compressed by {extension}: run gltfpack without -c and -cc")
+        return not stands_in and ("uri" in entry or (buffer == 0 and self._embedded is not None))
 
     def image(self, index: object) -> bytes:
         entry = self.entry("images", index)

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from tacos_worlds.kit.mesh_files.gltf_buffers import Buffers, Json
+from tacos_worlds.kit.mesh_files.packed import BASISU, MESHOPT, REMEDIES
 
 DRACO = "KHR_draco_mesh_compression"
 SPECULAR_GLOSSINESS = "KHR_materials_pbrSpecularGlossiness"
 _CARRIED_OUT = {
     DRACO,
+    *MESHOPT,
+    BASISU,
     "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
     "KHR_lights_punctual",
@@ -36,9 +39,7 @@ UNDERSTOOD = _CARRIED_OUT | _EFFECTS.keys()
 """Extensions without which a file that requires them is still read as it is meant, or nearly so."""
 _REMEDIES = {
     DRACO: "pip install 'tacos-framework[draco]', or export it with Compression off (Blender: Data, Mesh)",
-    "EXT_meshopt_compression": "run gltfpack without -c and -cc, or `gltf-transform copy in.glb out.glb`",
-    "KHR_meshopt_compression": "run gltfpack without -c and -cc, or `gltf-transform copy in.glb out.glb`",
-    "KHR_texture_basisu": "export textures as PNG or JPEG: gltfpack without -tc, or toktx's source images",
+    **REMEDIES,
 }
 _CLEAR = 0.9
 """Base colour of glass from which on it counts as without a tint [1]."""
@@ -54,7 +55,7 @@ def notes_on(buffers: Buffers) -> Iterator[str]:
     """What is left out of a file that is read, and what follows for the image."""
     used = sorted({str(name) for name in buffers.header.get("extensionsUsed", [])})
     for name in used:
-        if name not in _CARRIED_OUT and name not in _REMEDIES:
+        if name not in _CARRIED_OUT:
             yield f"{name} is not carried out: {_EFFECTS.get(name, 'it has no effect')}"
     primitives = [part for mesh in buffers.listed("meshes") for part in mesh.get("primitives", [])]
     modes = [_MODES[part["mode"]] for part in primitives if part.get("mode") in _MODES]

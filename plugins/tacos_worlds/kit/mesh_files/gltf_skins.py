@@ -13,6 +13,7 @@ from tacos_framework.camera import LINEAR_OF_SRGB_BYTE
 from tacos_worlds.kit.mesh_files.damage import Damaged
 from tacos_worlds.kit.mesh_files.gltf_buffers import Buffers, Json
 from tacos_worlds.kit.mesh_files.gltf_notes import SPECULAR_GLOSSINESS, remedy_for
+from tacos_worlds.kit.mesh_files.packed import BASISU
 from tacos_worlds.kit.mesh_files.pictures import picture
 from tacos_worlds.kit.models.model import Skin
 
@@ -116,10 +117,11 @@ class Skins:
         if not isinstance(info, dict):
             return None
         texture = self._buffers.entry("textures", info.get("index"))
-        webp = texture.get("extensions", {}).get("EXT_texture_webp", {})
-        index = webp.get("source", texture.get("source"))
+        more = texture.get("extensions", {})
+        basis = more.get(BASISU, {}).get("source")
+        index = more.get("EXT_texture_webp", {}).get("source", texture.get("source", basis))
         if index is None:
-            names = [*texture.get("extensions", {})] or ["nothing"]
+            names = [*more] or ["nothing"]
             raise Damaged(f"a texture has its image only as {', '.join(names)}: {remedy_for(names[0])}")
         if index not in self._pictures:
             try:

@@ -12,6 +12,7 @@ from PIL.Image import Image
 from tacos_files.images import checked_header, decode_picture
 from tacos_framework import Fault, UserError
 from tacos_framework.files import MB, limits, read_bytes, too_large
+from tacos_worlds.kit.mesh_files.packed import is_ktx2, ktx2_bytes, ktx2_picture
 
 _TEXTURES_MB = 800
 """Decoded samples of all pictures of one file together [MB]: 50 of 2048 x 2048 pixels."""
@@ -71,13 +72,15 @@ class References:
     def picture(self, content: bytes, name: str) -> Image:
         """A picture, which is whole and decodes; the fault of one that does not is kept and raised."""
         try:
-            self._decoded_bytes += checked_header(content, self.where, name, of_texture=True).decoded_bytes
+            header = None if is_ktx2(content) else checked_header(content, self.where, name, of_texture=True)
+            self._decoded_bytes += header.decoded_bytes if header else ktx2_bytes(content)
             if self._decoded_bytes > _TEXTURES_MB * MB:
                 what = f"its pictures take {self._decoded_bytes / MB:.0f} MB"
                 raise UserError(
                     Fault(self.where, what, f"at most {_TEXTURES_MB}", "Make the pictures smaller.")
                 )
-            return decode_picture(content, self.where, name)
+            decode = decode_picture if header else ktx2_picture
+            return decode(content, self.where, name)
         except UserError as error:
             self.faults.extend(error.faults)
             raise
