@@ -1,7 +1,7 @@
 """Fills the code blocks of the documentation that show examples: ``python scripts/fill_docs.py``.
 
-A block with the title ``tacos-example-plugin/PATH`` or ``embedding/PATH`` shows that file, one with
-``PATH:NAME`` a class or function in it.
+A block with the title ``tacos-example-plugin/PATH`` shows that file, one with ``PATH:NAME`` a class or function
+in it.
 """
 
 from __future__ import annotations
@@ -12,10 +12,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECTS = ROOT / "tests" / "third_party"
-EMBEDDING = ROOT / "tests" / "embedding"
 
 _BLOCK = re.compile(
-    r'^(?P<fence>```\w+ title="(?P<path>(?:tacos-example-plugin|embedding)/[^":]+)(?::(?P<name>\w+))?")\n'
+    r'^(?P<fence>```\w+ title="(?P<path>tacos-example-plugin/[^":]+)(?::(?P<name>\w+))?")\n'
     r".*?^```$",
     re.MULTILINE | re.DOTALL,
 )
@@ -34,8 +33,7 @@ def shown(path: str, name: str | None) -> str:
     LookupError
         When there is no such class or function at the top of the file.
     """
-    folder = EMBEDDING.parent if path.startswith("embedding/") else PROJECTS
-    text = (folder / path).read_text("utf-8")
+    text = (PROJECTS / path).read_text("utf-8")
     if name is None:
         return text
     for node in ast.parse(text).body:

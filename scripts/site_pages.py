@@ -38,8 +38,7 @@ SUBJECTS = {
 }
 """Title of a page -> the modules of the core whose public names it shows."""
 
-_CELL = re.compile(r"<td.*?</td>", re.DOTALL)
-_CODE = re.compile(r"(?<=<code>)[^<]+(?=</code>)")
+_CODE = re.compile(r"(?<=<code>)[^<\n]+(?=</code>)")
 _JOINT = re.compile(r"(?<=[_./])(?=\w)")
 _LINK = re.compile(r"\[(?P<title>[^]]+)\]\((?P<page>[^)#:]+\.md)\)")
 
@@ -64,8 +63,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_content(html: str, **_: Any) -> str:
-    """Let names in tables break behind ``_``, ``.`` and ``/``, so that columns fit a phone."""
-    return _CELL.sub(lambda cell: _CODE.sub(lambda name: _JOINT.sub("<wbr>", name[0]), cell[0]), html)
+    """Let names break behind ``_``, ``.`` and ``/``, so that they fit a phone."""
+    return _CODE.sub(lambda name: _JOINT.sub("<wbr>", name[0]), html)
 
 
 def navigation(index: str) -> Iterator[dict[str, Any]]:
@@ -89,7 +88,9 @@ def api_pages() -> dict[str, str]:
     pages = {"tacos": _page("tacos", "\n".join(_described_once(name) for name in names_for_users()))}
     for title, shown in names.items():
         pages[title] = _page(title, "\n".join(f"::: tacos_framework.{name}\n" for name in sorted(shown)))
-    pages["Testing"] = _page("Testing", "::: tacos_framework.testing\n    options: {members: true}\n")
+    pages["Testing"] = _page(
+        "Testing", "::: tacos_framework.testing\n    options: {members: true, filters: ['!^_']}\n"
+    )
     return pages
 
 

@@ -12,8 +12,7 @@ from tests.docs.pages import PAGES, ROOT, blocks
 
 HOW_TO = ROOT / "docs" / "how-to"
 EXAMPLE = "tacos-example-plugin/"
-SHOWN = (EXAMPLE, "embedding/")
-WITH_EXAMPLE = sorted({block.page for block in blocks() if (block.title or "").startswith(SHOWN)})
+WITH_EXAMPLE = sorted({block.page for block in blocks() if (block.title or "").startswith(EXAMPLE)})
 
 
 @pytest.mark.parametrize("page", WITH_EXAMPLE, ids=lambda page: page.stem)

@@ -34,6 +34,7 @@ NOTICE = "<!-- Written by `make docs` from the code; changes here are lost. -->"
 MUST_BE_GIVEN = "must be given"
 _TOO_LONG = "see below"
 _LONGEST_DEFAULT = 60  # characters; the defaults of a longer mapping stand in a table of its own
+_FAR = 1e5  # a bound so far off guards against slips, and tells a reader nothing
 _BOUNDS = {"exclusiveMinimum": "> {}", "minimum": "≥ {}", "exclusiveMaximum": "< {}", "maximum": "≤ {}"}
 
 
@@ -79,7 +80,12 @@ def bounds_of(schema: Schema) -> str:
     '≥ 0'
     """
     members = list(_forms_of(schema))
-    found = [text.format(member[key]) for member in members for key, text in _BOUNDS.items() if key in member]
+    found = [
+        text.format(member[key])
+        for member in members
+        for key, text in _BOUNDS.items()
+        if abs(member.get(key, _FAR)) < _FAR
+    ]
     if (schema.get("minItems") or schema.get("minLength")) and "prefixItems" not in schema:
         found.append("not empty")
     return ", ".join(found)
@@ -261,7 +267,7 @@ def recipe_page() -> str:
         "# Keys of a recipe",
         NOTICE,
         "The keys at the top of a recipe, then those inside them. "
-        "[recipe.md](recipe.md) says how they work together.",
+        "[The recipe](recipe.md) shows how they work together.",
         settings_table(Recipe),
     ]
     return "\n\n".join(sections) + "\n"
