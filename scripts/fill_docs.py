@@ -1,7 +1,7 @@
 """Fills the code blocks of the documentation that show examples: ``python scripts/fill_docs.py``.
 
-A block with the title ``tacos-example-plugin/PATH`` shows that file, one with ``PATH:NAME`` a class or function
-in it.
+A block with the title ``tacos-example-plugin/PATH`` shows that file, one with ``PATH:NAME`` a class or
+function in it.
 """
 
 from __future__ import annotations

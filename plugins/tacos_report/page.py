@@ -67,6 +67,7 @@ class Detailed:
     text: str
     detail: str = ""
     best: bool = False
+    anchor: str = ""  # of the `Folded` that its text leads to and opens
 
 
 @dataclass(frozen=True)
@@ -117,10 +118,11 @@ class ContactSheet:
 
 @dataclass(frozen=True)
 class Folded:
-    """A table or text that opens when its summary is clicked: for what few want to see."""
+    """Blocks that open when their summary is clicked, or a link to their anchor: for what few want to see."""
 
     summary: str
-    block: Table | Code
+    blocks: tuple[Block, ...]
+    anchor: str = ""
     kind: Literal["folded"] = "folded"
 
 

@@ -61,6 +61,7 @@ class Tried:
     derived: Mapping[str, float]
     fitness: float | None
     failed: str | None = None
+    scores: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -197,6 +198,7 @@ def _generation(row: Mapping[str, Any]) -> Generation:
             derived=numbers(candidate.get("derived")),
             fitness=finite(candidate.get("fitness")),
             failed=candidate.get("failed"),
+            scores=numbers(candidate.get("scores")),
         )
         for candidate in plain_rows(row.get("candidates"))
     )

@@ -119,7 +119,7 @@ def _closure(diagnosis: Diagnosis) -> Iterator[Block]:
     if nuisances := nuisance_rows(diagnosis.nuisances):
         heads = ("capture", "expected values were off by")
         yield Folded(
-            "Allowed for: light, pose and focus, which are never known exactly", Table(heads, nuisances)
+            "Allowed for: light, pose and focus, which are never known exactly", (Table(heads, nuisances),)
         )
 
 
@@ -134,7 +134,7 @@ def _task(diagnosis: Diagnosis) -> Iterator[Block]:
     for name, found in first.items():
         yield Paragraph(task_words.sentence(name, found))
     heads = ("score", "real", "simulated", "with the causes")
-    yield Folded("All scores", Table(heads, task_words.rows(diagnosis.task)))
+    yield Folded("All scores", (Table(heads, task_words.rows(diagnosis.task)),))
 
 
 def _decision(decision: Mapping[str, Any]) -> Iterator[Block]:

@@ -92,7 +92,7 @@ def not_told(
         said = limits_in_words(limits, effects, captures[0].geometry)
         rows = tuple((words.effect_words(effect), limit) for effect, limit in said.items())
         table = Table(("effect", "would have shown from"), rows)
-        yield Folded("Detection limits", table)
+        yield Folded("Detection limits", (table,))
 
 
 def effects_not_shown(captures: Sequence[RealCapture], effects: Mapping[str, type[Any]]) -> Iterator[Block]:

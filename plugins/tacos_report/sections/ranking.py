@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from functools import partial
 
 from tacos_report.analysis import RankedPart
 from tacos_report.figures.parts_ranked import parts_ranked
-from tacos_report.page import Block, Code, Detailed, Paragraph, Table, in_both_widths
-from tacos_report.plain_values import rows as plain_rows
-from tacos_report.plain_values import text
+from tacos_report.page import Block, Detailed, Folded, Paragraph, Table, in_both_widths
 from tacos_report.prices import price_words
 from tacos_report.quantities import number, words
+from tacos_report.sections import part_details
 from tacos_report.story import optics_words
 from tacos_report.study_data import StudyData
 
@@ -35,11 +34,9 @@ def blocks(study: StudyData) -> Iterator[Block]:
         rows = tuple(_row(place, part, study, carried) for place, part in enumerate(ranked, start=1))
         kept = tuple(i for i, part in enumerate(ranked) if part.part in designed and i >= _SHOWN)
         yield Table(heads, rows, first=_SHOWN, kept=kept)
-        if again := _again(study, ranked):
-            yield Paragraph(
-                "To design with one part alone, here the first that is not in the design:", quiet=True
-            )
-            yield Code(again)
+        yield Folded(
+            "Each part: its best cameras, their scores and frames", tuple(part_details.blocks(study))
+        )
     if left_out := study.analysis.left_out:
         if ranked:
             yield Paragraph(f"{len(left_out)} more cannot be used:")
@@ -48,22 +45,6 @@ def blocks(study: StudyData) -> Iterator[Block]:
             alike.setdefault(why, []).append(part)
         rows = tuple((", ".join(parts), why) for why, parts in alike.items())
         yield Table(("Parts", "Why they cannot be used"), rows)
-
-
-def _again(study: StudyData, ranked: Sequence[RankedPart]) -> str:
-    """The command that designs with the first part which the designed camera does not have; empty without."""
-    command = text(study.result.get("command")).partition(" --out ")[0]
-    other = next((part for part in ranked if not study.has_parts_of_design(part)), None)
-    if not command or other is None:
-        return ""
-    chosen = {
-        name: text(value.get("name"))
-        for variable in plain_rows(study.result.get("design_space"))
-        if variable.get("kind") == "catalog"
-        and isinstance(value := other.camera.get(name := text(variable.get("name"))), Mapping)
-    }
-    only = [f"--set 'design.{name}.only=[{part}]'" for name, part in chosen.items() if part]
-    return " ".join([command, *only, "--out runs/other_part"]) if only else ""
 
 
 def products_of_parts(study: StudyData) -> dict[str, tuple[int, str]]:
@@ -104,7 +85,11 @@ def _row(
     title = carried[part.part][1] if part.part in carried else ""
     return (
         str(place),
-        Detailed(part.part, f"in the {title}" if title and title != part.part else ""),
+        Detailed(
+            part.part,
+            f"in the {title}" if title and title != part.part else "",
+            anchor=part_details.anchor(place),
+        ),
         Detailed(optics_words(part.camera, study.units), price_words(part.camera)),
         Detailed(number(part.fitness), ends),
         *("" if value is None else chance(value) for value in chances),

@@ -44,9 +44,9 @@ def repeat(study: StudyData) -> Iterator[Block]:
     rows.append(("tacos-framework", str(result.get("tacos") or "not recorded")))
     yield Table((), (*rows, *_environment(study)), row_heads=True)
     if study.recipe:
-        yield Folded("The resolved recipe", Code(study.recipe))
+        yield Folded("The resolved recipe", (Code(study.recipe),))
     if log := "\n".join(study.log.splitlines()[-_LOG_LINES:]):
-        yield Folded("End of the log", Code(log))
+        yield Folded("End of the log", (Code(log),))
 
 
 def _environment(study: StudyData) -> Iterator[tuple[str, str]]:
