@@ -32,26 +32,17 @@ def blocks(study: StudyData) -> Iterator[Folded]:
 def _of_part(study: StudyData, part: RankedPart) -> Iterator[Block]:
     has_part = _with_parts_of(part.camera)
     tested = [camera for camera in study.cameras if has_part(camera.camera)]
-    tried = sorted(
-        (each for each in study.scored if has_part(each.camera)), key=lambda each: -(each.fitness or 0.0)
-    )
+    tried = [each for each in study.scored if has_part(each.camera)]
+    tried.sort(key=lambda each: -(each.fitness or 0.0))
     scores = list(score_weights(study))
-    rows = [
-        (
-            Detailed(camera.title, optics_words(camera.camera, study.units)),
-            "test",
-            *_numbers(camera.fitness, camera.scores, scores),
-        )
-        for camera in tested
-        if camera.fitness is not None
-    ] + [
-        (
-            optics_words(each.camera, study.units),
-            "search",
-            *_numbers(each.fitness, each.scores, scores),
-        )
-        for each in tried[:_MOST_TRIED]
-    ]
+    rows: list[tuple[str | Detailed, ...]] = []
+    for camera in tested:
+        if camera.fitness is not None:
+            title = Detailed(camera.title, optics_words(camera.camera, study.units))
+            rows.append((title, "test", *_numbers(camera.fitness, camera.scores, scores)))
+    for each in tried[:_MOST_TRIED]:
+        optics = optics_words(each.camera, study.units)
+        rows.append((optics, "search", *_numbers(each.fitness, each.scores, scores)))
     if rows:
         heads = ("Camera", "Scenes", "Fitness", *(words(score) for score in scores))
         yield Table(heads, tuple(rows), f"Best of {len(tried)} candidates of the search" if tried else "")
