@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -94,6 +94,10 @@ class SensorBase:
     origins: Callable[[Camera], Mapping[str, str]] | None = None
     """Origin of each figure of a camera's noise: figure -> ``catalog``, ``settings``, or a phrase.
     Results and exported cameras repeat it."""
+
+    behind: Callable[[Sequence[Camera]], Sensor] | None = None
+    """The sensor as it is behind the cameras of a rig, which share the range of their files: with the
+    pedestal of their part."""
 
     assuming: Callable[[Draw], Sensor] | None = None
     """The sensor under one draw of the figures that nobody states; the same draw gives the same sensor. A

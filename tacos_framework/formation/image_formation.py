@@ -72,6 +72,7 @@ class ImageFormation:
 
         Raises `UserError` when the files of one camera have another range than those of the first.
         """
+        sensor = sensor.behind([view.camera for view in capture.views])
         black_level_dn, white_level_dn = sensor.range_dn([view.camera.name for view in capture.views])
         if self.control:
             loop = ExposureLoop(self.control, self.exposure, partial(self._at, capture.pending, sensor))

@@ -10,6 +10,7 @@ from tacos_framework.contracts import Draw, SensorBase, optional
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.plugins.guarded import blameless, calling
 from tacos_framework.settings import Settings
+from tacos_framework.values import Camera
 
 
 @dataclass(frozen=True)
@@ -59,11 +60,19 @@ class PlacedSensor:
 
     def assuming(self, draw: Draw) -> PlacedSensor:
         """The sensor with one draw of what its models assume, for those that assume anything."""
-        if optional(self.sensor, SensorBase, "assuming") is None:
+        return self._each("assuming", draw)
+
+    def behind(self, cameras: Sequence[Camera]) -> PlacedSensor:
+        """The sensor behind the cameras of a rig, for one that depends on them."""
+        return self._each("behind", cameras)
+
+    def _each(self, member: str, *given: Any) -> PlacedSensor:
+        """The sensors that an optional member makes of these."""
+        if optional(self.sensor, SensorBase, member) is None:
             return self
-        with calling(self.use, doing="assuming"):
-            by_camera = {camera: sensor.assuming(draw) for camera, sensor in self.by_camera.items()}
-            return replace(self, sensor=self.sensor.assuming(draw), by_camera=by_camera)
+        with calling(self.use, doing=member):
+            by_camera = {name: getattr(sensor, member)(*given) for name, sensor in self.by_camera.items()}
+            return replace(self, sensor=getattr(self.sensor, member)(*given), by_camera=by_camera)
 
     def range_dn(self, cameras: Sequence[str]) -> tuple[float, float]:
         """Black and white level of the files of a rig's cameras, which share them [DN].

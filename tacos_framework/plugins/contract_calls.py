@@ -173,7 +173,7 @@ OPTIONAL_CALLS: Mapping[str, tuple[Call, ...]] = {
     ),
     "rig": (Call("coordinates", ("variables",)),),
     "scene": (Call("not_shown", ("rig",), ("exposure", "sensors", "illumination_lux")),),
-    "sensor": (Call("lacks", ("rig",)),),
+    "sensor": (Call("lacks", ("rig",)), Call("behind", ("cameras",))),
     "task": (Call("lacks", ("rig",)), Call("untrained")),
     "optimizer": (Call("recommend", ("count",)), Call("choose", ("finalists",))),
     "procedure": (Call("check", (), ("seed", "plugins"), asked_for=True),),

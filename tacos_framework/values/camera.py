@@ -37,6 +37,8 @@ class Electrons:
     """Gain from which on a second, higher conversion gain is used [dB], and the read noise there [e-]."""
     converter_bits: int | None = None
     """Bits of the converter that reads it [bit]."""
+    black_level_share: float | None = None
+    """Its digital number without light over full scale [1]."""
     red_over_green: float | None = None
     blue_over_green: float | None = None
     """Signal of its red and blue photosites over that of the green ones, of grey in daylight [1]."""

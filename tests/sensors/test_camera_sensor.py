@@ -11,8 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tacos_framework.catalog import find_catalog
+from tacos_framework.testing.forming import expose
+from tacos_framework.testing.samples import sample_capture
 from tacos_framework.values import Camera, Electrons, Exposure, Rig
-from tacos_plugins.sensors.camera import COLOURS, CameraSensor
+from tacos_plugins.sensors.camera import COLOURS, PEDESTAL, CameraSensor
 from tacos_plugins.sensors.emva import NEEDED
 from tacos_plugins.sensors.mosaic_noise import averaged_variances
 from tacos_plugins.sensors.photosite_prior import PRIORS, assumed
@@ -194,3 +196,46 @@ def test_scenes_draw_what_is_not_known_and_nothing_else() -> None:
     assert model.photosite(CAMERA) == sensor(read_noise_e=2.5, assumptions=0).photosite(CAMERA)
     fixed = sensor(assumptions=3)
     assert fixed.assuming((7, "test", 0)).photosite(CAMERA) == fixed.photosite(CAMERA)
+
+
+def test_the_pedestal_is_that_of_the_part() -> None:
+    imx335 = replace(CAMERA, electrons=Electrons("IMX335", black_level_share=50 / 1023))
+    files = {
+        name: sensor().behind(cameras).black_level_dn
+        for name, cameras in {"stated": [imx335], "unknown": [CAMERA], "both": [imx335, CAMERA]}.items()
+    }
+    assert files == {"stated": 200, "unknown": 256, "both": 256}  # of 4095
+    assert sensor(black_level_dn=16.0).behind([imx335]).black_level_dn == 16
+    assert sensor(bit_depth=8).behind([CAMERA]).black_level_dn == 16
+    dark = (
+        sensor()
+        .behind([imx335])
+        .expect(np.zeros((1, 1, 1, 3), np.float32), camera=imx335, exposure=Exposure())
+    )
+    assert dark.max() == dark.min() == 200
+    assert sensor().origins(imx335)["black_level"] == "catalog"
+    assert sensor().origins(CAMERA)["black_level"].startswith("assumed")
+
+
+def test_the_usual_pedestal_is_that_of_the_shipped_catalogs() -> None:
+    rows = [row.values for name in ("image_sensors", "image_sensors_more") for row in find_catalog(name).rows]
+    shares = [
+        row["black_level_dn"] / (2 ** row["black_level_bits"] - 1)
+        for row in rows
+        if row.get("black_level_dn") is not None and row.get("black_level_bits") is not None
+    ]
+    assert len(shares) > 20
+    assert np.median(shares) == pytest.approx(PEDESTAL, rel=0.01)
+
+
+def test_noise_in_the_dark_keeps_its_mean_in_the_files() -> None:
+    """Without a pedestal the lower half of the noise is cut off, which brightens the dark."""
+    light = sample_capture()
+    views = tuple(replace(v, luminance_cd_m2=np.zeros_like(v.luminance_cd_m2)) for v in light.views)
+    dark, gain = replace(light, views=views), Exposure(gain_db=30.0)
+    frames = expose(sensor(dark_current_e_s=0.0), dark, exposure=gain)
+    noise_dn = np.std(frames.images[0].astype(float))
+    assert frames.black_level_dn == 256
+    assert frames.images[0].mean() == pytest.approx(256, abs=0.05 * noise_dn)
+    cut = expose(sensor(dark_current_e_s=0.0, black_level_dn=0.0), dark, exposure=gain).images[0]
+    assert cut.mean() == pytest.approx(noise_dn / math.sqrt(2 * math.pi), rel=0.2)

@@ -30,7 +30,7 @@ def brightness(plugins: Plugins, part: dict[str, object], tests: int = 1001) -> 
     recipe = toy_recipe(
         rig={"use": "rig.monocular", "sensor": part},
         nodes={
-            "frames": {"use": "sensor.camera", "in": {"capture": "capture"}},
+            "frames": {"use": "sensor.camera", "in": {"capture": "capture"}, "black_level_dn": 0},
             "world": {"use": "scene.toy", "frames": 1},
         },
         scenario={"illumination_lux": 100, "exposure_ms": 10},

@@ -59,6 +59,8 @@ def describe_noise(sensor: Sensor, camera: Camera, exposure: Exposure) -> NoiseD
 
     Source: EMVA Standard 1288, Release 4.0 Linear, 2021, eq. 13: the photon transfer curve.
     """
+    if callable(behind := optional(sensor, SensorBase, "behind")):
+        sensor = behind([camera])
     black, white = sensor.black_level_dn, sensor.white_level_dn
     levels = black + np.array([0.0, 0.25]) * (white - black)
     dark_light = np.zeros((1, 1, 1, 3), np.float32)

@@ -41,6 +41,12 @@ class SensorPart(PricedPart):
     high_gain_read_noise_e: float | None = setting(
         None, help="Read noise at that gain, if known.", unit="e-", ge=0
     )
+    black_level_dn: float | None = setting(
+        None, help="Digital number without light, at black_level_bits, if known.", unit="DN", ge=0
+    )
+    black_level_bits: int | None = setting(
+        None, help="Bits per sample in which the black level is given.", unit="bit", ge=1, le=24
+    )
     red_over_green: float | None = setting(
         None, help="Signal of its red photosites over the green ones', of grey in daylight, if known.", gt=0
     )
@@ -157,6 +163,12 @@ class SensorPart(PricedPart):
         return None if rate is None else 1e6 / (rate * self.height_px)
 
     @property
+    def _black_level_share(self) -> float | None:
+        if self.black_level_dn is None or self.black_level_bits is None:
+            return None
+        return self.black_level_dn / (2**self.black_level_bits - 1)
+
+    @property
     def electrons(self) -> Electrons:
         """Known figures of its photosites in electrons."""
         return Electrons(
@@ -168,6 +180,7 @@ class SensorPart(PricedPart):
             self.high_gain_from_db,
             self.high_gain_read_noise_e,
             bits_of(self.bit_depth),
+            self._black_level_share,
             self.red_over_green,
             self.blue_over_green,
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from typing import Literal
@@ -20,6 +20,8 @@ from tacos_plugins.sensors.photosite_prior import Draw, assumed, assumed_from
 AFTER_GAIN = "read_noise_share_after_gain"
 COLOURS = ("red_over_green", "blue_over_green")
 MIDDLE: Draw = (0,)
+PEDESTAL = 1 / 16
+"""Pedestal over full scale where it is not known: the median of the sensors of the catalogs that state it."""
 STATED_AT_C = 25.0
 """Temperature that dark currents of catalogs are taken to hold at, as few say [deg C]."""
 
@@ -69,6 +71,13 @@ class CameraSensor(Emva):
             help="Light that makes electrons behind the filters of R, G and B, of that which a photosite "
             "without gathers; by default a third on average, shared out as the catalog or the prior has it.",
         )
+        black_level_dn: float | None = setting(  # type: ignore[assignment]
+            None,
+            help="Pedestal in the images, which keeps noise around black from clipping; by default that of "
+            "the part, or a sixteenth of full scale where it is not known.",
+            unit="DN",
+            ge=0,
+        )
         white_balance: bool = setting(
             True,
             help="Amplify red and blue until grey is grey, as cameras do; false leaves files in the colours "
@@ -105,6 +114,24 @@ class CameraSensor(Emva):
 
     config: Config
     _draw: Draw = MIDDLE
+    _pedestal_dn: float | None = None
+
+    @property
+    def black_level_dn(self) -> float:
+        """Pedestal of its files: as set, else that of the cameras it is `behind`, else 0 [DN]."""
+        given = self.config.black_level_dn
+        return (self._pedestal_dn or 0.0) if given is None else given
+
+    def behind(self, cameras: Sequence[Camera]) -> CameraSensor:
+        """The sensor with the pedestal of these cameras' part: of several parts the largest."""
+        if self._pedestal_dn is not None:
+            return self
+        shares = (each.electrons.black_level_share for each in cameras)
+        placed = copy(self)
+        placed._pedestal_dn = float(
+            round(self.white_level_dn * max(PEDESTAL if share is None else share for share in shares))
+        )
+        return placed
 
     def assuming(self, draw: Draw) -> CameraSensor:
         if self.config.assumptions is not None:
@@ -172,6 +199,12 @@ class CameraSensor(Emva):
                 found[figure] = "settings"
             else:
                 found[figure] = assumed_from(figure)
+        if self.config.black_level_dn is not None:
+            found["black_level"] = "settings"
+        elif camera.electrons.black_level_share is not None:
+            found["black_level"] = "catalog"
+        else:
+            found["black_level"] = "assumed, a sixteenth of full scale"
         if not self.is_mono(camera) and self.config.channel_response is None:
             for figure in COLOURS:
                 known = getattr(camera.electrons, figure) is not None

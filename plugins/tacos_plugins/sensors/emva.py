@@ -104,7 +104,7 @@ class Emva:
     def __init__(self, config: Config) -> None:
         self.config = config
         faults = []
-        if config.black_level_dn >= self.white_level_dn:
+        if (config.black_level_dn or 0) >= self.white_level_dn:
             faults.append(
                 Fault(
                     "sensor.emva",
@@ -250,7 +250,7 @@ class Emva:
         """System gain K of a camera [DN/e-]."""
         if self.config.system_gain_dn_per_e is not None:
             return self.config.system_gain_dn_per_e * gain_factor(exposure.gain_db)
-        range_dn = self.white_level_dn - self.config.black_level_dn
+        range_dn = self.white_level_dn - self.black_level_dn
         return system_gain(self.photosite(camera).full_well_e, range_dn, exposure.gain_db)
 
     def electrons_per_luminance(self, camera: Camera, exposure: Exposure) -> float:
