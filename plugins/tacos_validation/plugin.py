@@ -28,6 +28,12 @@ def tacos_components() -> list[Component]:
         ),
         Component(
             "procedure",
+            "ablation",
+            "tacos_validation.ablation.compare:Ablation",
+            summary="What each step of a simulation changes in the ranking of cameras.",
+        ),
+        Component(
+            "procedure",
             "compare-studies",
             "tacos_validation.studies_compared.compare:CompareStudies",
             summary="Variants of a study, such as joint and frozen, over several seeds.",

@@ -6,20 +6,16 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from tacos_framework import Evaluation, Executor, Fitness, Plugins, Progress, generator
+from tacos_framework import Evaluation, Executor, Plugins, Progress, generator
 from tacos_framework.plan import Plan, make_plan
-from tacos_framework.simulation import EpisodeSpec, Evaluator
 from tacos_framework.store import Results
 from tacos_validation.harness import FaultsTogether, leave, study_recipe
 from tacos_validation.rank_agreement.agreement import agreement, agreement_of_halves, tau_b
 from tacos_validation.rank_agreement.cameras import RankedCamera, cameras_of
 from tacos_validation.rank_agreement.outcome import SIZES, RankedLight, RankOutcome
 from tacos_validation.rank_agreement.pages import page, summary, table_csv
+from tacos_validation.rank_agreement.scored import Judge, Rows, scores_of
 from tacos_validation.rank_agreement.settings import RankAgreementConfig
-from tacos_validation.score_table import ScoreTable, TableRow, evaluation_of
-
-Rows = Mapping[str, Sequence[TableRow]]
-"""For each camera its scores on each scene."""
 
 
 class RankAgreement:
@@ -46,7 +42,9 @@ class RankAgreement:
         scored: dict[tuple[str, str], Rows] = {}
         for (light, size), plan in plans.items():
             progress.phase(f"{light}, {size}", len(cameras) * self._scenes(plan))
-            scored[light, size] = self._score(plan, plugins, cameras, executor, results, progress)
+            scored[light, size] = scores_of(
+                plan, cameras, self._scenes(plan), plugins, executor, results, progress.step
+            )
         outcome = self._outcome(plans, scored, cameras, seed)
         return leave(out, page(outcome), outcome.as_data(), summary(outcome), table=table_csv(outcome))
 
@@ -65,25 +63,6 @@ class RankAgreement:
     def _scenes(self, plan: Plan) -> int:
         return self.config.scenes or plan.recipe.study.episodes
 
-    def _score(
-        self,
-        plan: Plan,
-        plugins: Plugins,
-        cameras: Sequence[RankedCamera],
-        executor: Executor,
-        results: Results,
-        progress: Progress,
-    ) -> Rows:
-        evaluate = Evaluator(plan.recipe, plugins)
-        states = evaluate.simulation.initial_states() if plan.trainable else {}
-        table = ScoreTable(plan, evaluate, executor, results, states)
-        specs = [EpisodeSpec(plan.recipe.seed, ("design", 0, i)) for i in range(self._scenes(plan))]
-        wanted = [(camera.values, spec) for camera in cameras for spec in specs]
-        for _ in range(len(wanted) - len(table.lacking(wanted))):
-            progress.step()
-        table.fill(wanted, progress.step)
-        return {camera.name: [table.row(camera.values, spec) for spec in specs] for camera in cameras}
-
     def _outcome(
         self,
         plans: Mapping[tuple[str, str], Plan],
@@ -94,7 +73,7 @@ class RankAgreement:
         values = {camera.name: camera.values for camera in cameras}
         lights = []
         for light in self.config.lights:
-            judges = {size: _Judge(values, scored[light, size], plans[light, size].fitness) for size in SIZES}
+            judges = {size: Judge(values, scored[light, size], plans[light, size].fitness) for size in SIZES}
             evaluations = {size: judge.all_scenes() for size, judge in judges.items()}
             quick, full = (evaluations[size] for size in SIZES)
             ranked = [n for n in values if quick[n].fitness is not None and full[n].fitness is not None]
@@ -129,21 +108,6 @@ class RankAgreement:
             lights=tuple(lights),
             notes=notes,
         )
-
-
-class _Judge:
-    def __init__(self, values: Mapping[str, Mapping[str, Any]], rows: Rows, fitness: Fitness) -> None:
-        self._values, self._rows, self._fitness = values, rows, fitness
-
-    def __call__(self, camera: str, scenes: Sequence[int]) -> float | None:
-        return self._evaluation(camera, scenes).fitness
-
-    def all_scenes(self) -> dict[str, Evaluation]:
-        return {name: self._evaluation(name, range(len(rows))) for name, rows in self._rows.items()}
-
-    def _evaluation(self, camera: str, scenes: Sequence[int]) -> Evaluation:
-        rows = self._rows[camera]
-        return evaluation_of(self._values[camera], [rows[scene] for scene in scenes], self._fitness)
 
 
 def _by_score(

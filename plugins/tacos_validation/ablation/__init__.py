@@ -1,0 +1,1 @@
+"""What a study's ranking owes to each step of its simulation."""
