@@ -7,11 +7,11 @@ from typing import Any
 
 _UNIT_SIGNS = {
     "deg": "°", "um": "µm", "um2": "µm²", "1": "", "percent": "%", "cd_m2": "cd/m²", "e": "e⁻", "e_s": "e⁻/s",
-    "mw": "mW", "w": "W", "usd": "USD", "eur": "EUR", "hz": "Hz", "fps": "frames/s", "us": "µs",
+    "mw": "mW", "w": "W", "usd": "USD", "eur": "EUR", "hz": "Hz", "fps": "frames/s", "us": "µs", "dn": "DN",
 }  # fmt: skip
 _UNIT_SUFFIXES = (
     "deg", "mm", "um", "m", "px", "db", "lux", "s", "ms", "percent", "e", "mw", "w", "g", "usd", "eur",
-    "hz", "fps", "us",
+    "hz", "fps", "us", "dn",
 )  # fmt: skip
 _WORDS = {
     "hfov_deg": "Horizontal field of view",
@@ -40,6 +40,15 @@ _WORDS = {
     "roi_height": "Share of the height read out",
     "pixel_rate_mpx_s": "Pixel rate",
     "bandwidth_mbit_s": "Bandwidth",
+    "exposure_min_us": "Shortest exposure",
+    "min_exposure_us": "Shortest exposure",
+    "gain_max_db": "Largest gain",
+    "max_fps": "Highest frame rate",
+    "row_time_us": "Line time",
+    "frame_lines": "Lines of a frame",
+    "cfa": "Colour filters",
+    "black_level_dn": "Black level",
+    "black_level_bits": "Bits of the black level",
     "fitness": "Fitness",
 }
 _NARROW_SPACE = "\u202f"
@@ -150,9 +159,9 @@ def duration(seconds: float) -> str:
 
 
 def shown(name: str, value: Any, unit: str | None = None) -> str:
-    """The value of a design variable or derived quantity; a catalog row by its name."""
+    """The value of a design variable or derived quantity; a catalog row by its title, or its name."""
     if isinstance(value, dict):
-        return str(value.get("name", "unnamed"))
+        return str(value.get("title") or value.get("name", "unnamed"))
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, int | float):

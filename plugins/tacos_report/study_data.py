@@ -13,6 +13,7 @@ from tacos_framework.store import DESIGNED, read_result, read_run_lines
 from tacos_report.analysis import Analysis, RankedPart, read_analysis
 from tacos_report.plain_values import finite, mapping, numbers, text, texts
 from tacos_report.plain_values import rows as plain_rows
+from tacos_report.quantities import unit_of
 
 
 @dataclass(frozen=True)
@@ -145,7 +146,7 @@ class StudyData:
 
     @property
     def units(self) -> Mapping[str, str]:
-        space = {row["name"]: row.get("unit") or "" for row in self.design_space}
+        space = {row["name"]: row.get("unit") or unit_of(row["name"]) for row in self.design_space}
         return {**space, **mapping(self.result.get("derived_units"))}
 
     @property

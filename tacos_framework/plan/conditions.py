@@ -32,12 +32,12 @@ def conditions(plan: Plan) -> str:
 
 def _scenario_words(scenario: Scenario, designed: list[str]) -> str:
     values = {
-        "illumination_lux": f"{scenario.illumination_lux:g} lux",
-        "exposure_ms": f"{scenario.exposure_ms:g} ms",
-        "f_number": f"f/{scenario.f_number:g}",
-        "gain_db": f"{scenario.gain_db:g} dB",
+        "illumination_lux": ("light", f"{scenario.illumination_lux:g} lux"),
+        "exposure_ms": ("exposure time", f"{scenario.exposure_ms:g} ms"),
+        "f_number": ("f-number", f"f/{scenario.f_number:g}"),
+        "gain_db": ("gain", f"{scenario.gain_db:g} dB"),
     }
-    shown = (f"{name} as designed" if name in designed else words for name, words in values.items())
+    shown = (f"{noun} as designed" if name in designed else value for name, (noun, value) in values.items())
     called = f"{scenario.name}: " if isinstance(scenario, NamedScenario) else ""
     return called + ", ".join(shown)
 

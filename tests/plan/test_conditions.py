@@ -46,7 +46,7 @@ def test_what_is_designed_and_controlled_is_said(plugins):
         load_recipe("headset_quick", {"design.scenario.exposure_ms": {"between": [1, 30]}, "effects": []}),
         plugins,
     )
-    assert "20 lux, exposure_ms as designed, f/2" in conditions(plan)
+    assert "20 lux, exposure time as designed, f/2" in conditions(plan)
     assert "effects of the camera: demosaic" in conditions(plan)  # what its pipeline does
     controlled = make_plan(load_recipe("headset_exposure"), plugins)
     assert "from which control.mean-level sets time and gain" in conditions(controlled)

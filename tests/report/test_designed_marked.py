@@ -55,7 +55,7 @@ def test_the_ranking_marks_the_design_and_not_its_first(narrow: bool) -> None:
 
 
 def test_the_ranking_of_a_phone_is_short_and_has_the_design() -> None:
-    _, table = ranking.blocks(study())
+    _, table, _ = ranking.blocks(study())
     assert isinstance(table, Table)
     assert [row[0] for row in table.rows] == list("123456")
     assert (table.first, table.kept) == (3, (4,))

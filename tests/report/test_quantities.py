@@ -42,6 +42,7 @@ def test_units_and_words_come_from_names() -> None:
     assert shown("focal_length_mm", 2.3612) == "2.36\u202fmm"
     assert shown("pitch_deg", -22.04) == "\u221222°"
     assert shown("sensor", {"name": "IMX178", "pixel_um": 2.4}) == "IMX178"
+    assert shown("camera", {"name": "oak_d_w", "title": "OAK-D W"}) == "OAK-D W"
     assert (unit_of("megapixels"), unit_of("gain_db"), unit_of("seed"), unit_of("m")) == ("MP", "dB", "", "")
     assert (words("focal_length_mm"), words("features.inlier_ratio")) == (
         "Focal length",

@@ -12,7 +12,7 @@ from tacos_report.prices import price_words
 from tacos_report.quantities import number, quantity, shown, unit_of, words
 from tacos_report.study_data import CameraResult, StudyData
 
-_PROSE = ("name", "source", "sources", "notes", "doubts", "grade", "provenance")
+_PROSE = ("name", "title", "source", "sources", "notes", "doubts", "grade", "provenance")
 """Columns of a part that tell about its data sheet, not about the part."""
 
 
@@ -39,7 +39,7 @@ def blocks(study: StudyData) -> Iterator[Block]:
 def doubts(study: StudyData) -> tuple[str, ...]:
     """Notes of the study on the parts to buy; none where there is nothing to buy."""
     parts = _parts(study)
-    return tuple(note for note in study.notes if any(_title(part) in note for part in parts.values()))
+    return tuple(note for note in study.notes if any(str(each["name"]) in note for each in parts.values()))
 
 
 def _parts(study: StudyData) -> dict[str, Mapping[str, Any]]:
@@ -60,11 +60,7 @@ def _part_table(variable: str, part: Mapping[str, Any]) -> Table:
     rows = list(_properties(part))
     if unknown := [words(str(name)).lower() for name, value in part.items() if value is None]:
         rows.append(("Not published", ", ".join(unknown)))
-    return Table((words(variable), _title(part)), tuple(rows))
-
-
-def _title(part: Mapping[str, Any]) -> str:
-    return shown("part", dict(part))
+    return Table((words(variable), shown(variable, dict(part))), tuple(rows))
 
 
 def _properties(part: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
