@@ -98,7 +98,7 @@ def name_rows(axes: Axes, names: Sequence[str], *, narrow: bool) -> list[Text]:
     return [
         axes.annotate(
             name, (0.0, place), (0, 8), xycoords=("axes fraction", "data"), textcoords="offset points",
-            color=INK, va="bottom",
+            color=INK, va="bottom", in_layout=False,  # or a long name would leave the axes no width
         )
         for place, name in enumerate(names)
     ]  # fmt: skip

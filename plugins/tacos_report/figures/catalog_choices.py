@@ -9,10 +9,12 @@ from matplotlib.figure import Figure
 
 from tacos_report.figures.canvas import NARROW_IN, draw, light_grid, name_rows
 from tacos_report.palette import DOT, INK, MUTED, RULE, camera_colour
-from tacos_report.quantities import number, row_detail, words
+from tacos_report.quantities import number, row_detail, shown, words
 from tacos_report.study_data import Tried
 
 _SHOWN = 10
+_NARROW_LETTERS = 50
+"""So many letters fit the width of a phone."""
 
 
 def catalog_choices(
@@ -23,17 +25,17 @@ def catalog_choices(
     `designed`: name of the row that the designed camera has; it is shown wherever it ranks, if it was tried.
     """
     rows = _ranked(variable, tried)
-    shown = [row for place, row in enumerate(rows) if place < _SHOWN or row[0] == designed]
-    names = ", ".join(f"{name} {number(max(values))}" for name, _, values in shown)
+    best = [row for place, row in enumerate(rows) if place < _SHOWN or row[0] == designed]
+    names = ", ".join(f"{name} {number(max(values))}" for name, _, values in best)
     label = words(variable).lower()
-    description = f"Best fitness by {label}, {len(shown)} of {len(rows)} tried: {names}."
+    description = f"Best fitness by {label}, {len(best)} of {len(rows)} tried: {names}."
 
     def paint(figure: Figure) -> None:
         axes = figure.add_subplot()
-        left = min(min(values) for _, _, values in shown)
-        colours = [camera_colour(0) if name == designed else INK for name, _, _ in shown]
-        weights = ["bold" if name == designed else "normal" for name, _, _ in shown]
-        for place, (_, _, values) in enumerate(shown):
+        left = min(min(values) for _, _, values in best)
+        colours = [camera_colour(0) if name == designed else INK for name, _, _ in best]
+        weights = ["bold" if name == designed else "normal" for name, _, _ in best]
+        for place, (_, _, values) in enumerate(best):
             top, colour = max(values), colours[place]
             axes.plot([min(values), top], [place, place], color=RULE, linewidth=2.5, zorder=0)
             axes.plot(values, [place] * len(values), "o", color=DOT, alpha=0.5, markersize=5, linestyle="")
@@ -42,10 +44,12 @@ def catalog_choices(
                 number(top), (top, place), (9, 0), textcoords="offset points", va="center", color=colour,
                 fontweight=weights[place],
             )  # fmt: skip
-        labels = name_rows(axes, [_label(name, row, values) for name, row, values in shown], narrow=narrow)
+        labels = name_rows(
+            axes, [_label(row, values, narrow=narrow) for _, row, values in best], narrow=narrow
+        )
         for text, colour, weight in zip(labels, colours, weights, strict=True):
             text.set(color=colour, fontweight=weight)
-        axes.set_ylim(len(shown) - 0.4, -0.9 if narrow else -0.6)
+        axes.set_ylim(len(best) - 0.4, -0.9 if narrow else -0.6)
         axes.margins(x=0.12 if narrow else 0.1)
         axes.set_xlabel(f"fitness of each candidate with that {label}", color=MUTED)
         axes.spines[["left", "bottom"]].set_visible(False)
@@ -53,8 +57,8 @@ def catalog_choices(
         light_grid(axes, "x")
 
     if narrow:
-        return draw(f"catalog-{variable}-narrow", (NARROW_IN, 0.8 + 0.42 * len(shown)), description, paint)
-    return draw(f"catalog-{variable}", (9.2, 0.75 + 0.31 * len(shown)), description, paint)
+        return draw(f"catalog-{variable}-narrow", (NARROW_IN, 0.8 + 0.42 * len(best)), description, paint)
+    return draw(f"catalog-{variable}", (9.2, 0.75 + 0.31 * len(best)), description, paint)
 
 
 def _ranked(variable: str, tried: Sequence[Tried]) -> list[tuple[str, dict[str, Any], list[float]]]:
@@ -71,6 +75,8 @@ def _ranked(variable: str, tried: Sequence[Tried]) -> list[tuple[str, dict[str, 
     return [(name, rows[name], fitnesses[name]) for name in ranked]
 
 
-def _label(name: str, row: dict[str, Any], values: Sequence[float]) -> str:
-    times = f"tried {len(values)}×"
-    return "  ·  ".join(part for part in (name, row_detail(row), times) if part)
+def _label(row: dict[str, Any], values: Sequence[float], *, narrow: bool) -> str:
+    """A row by its title; on a phone without its details where they would not fit."""
+    title, times = shown("part", row), f"tried {len(values)}×"
+    whole = "  ·  ".join(part for part in (title, row_detail(row), times) if part)
+    return whole if not narrow or len(whole) <= _NARROW_LETTERS else f"{title}  ·  {times}"
