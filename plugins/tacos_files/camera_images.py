@@ -139,7 +139,7 @@ def read_image(path: Path, where: str, within: Path | None = None, *, lossless: 
         )
     if image.dtype.kind == "f" and not np.isfinite(image).all():
         raise UserError(Fault(where, f"{path.name} holds NaN or infinite values", "finite numbers"))
-    if max(abs(float(image.min())), abs(float(image.max()))) > _LARGEST_DN:
+    if image.itemsize > 2 and max(abs(float(image.min())), abs(float(image.max()))) > _LARGEST_DN:
         raise UserError(Fault(where, f"{path.name} holds values beyond {_LARGEST_DN:g}", "digital numbers"))
     return image
 

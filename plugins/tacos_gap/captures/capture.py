@@ -62,6 +62,14 @@ class Unmoved:
 
 
 @dataclass(frozen=True, eq=False)
+class Whole:
+    """The files of a capture that is kept in part."""
+
+    geometry: ImageGeometry
+    small_dn: NDArray[np.float32]  # (h, w, C) the first frame, made small [DN]
+
+
+@dataclass(frozen=True, eq=False)
 class RealCapture:
     """Real frames of one thing under one setting, and what the simulator expects."""
 
@@ -101,6 +109,7 @@ class RealCapture:
     """What a still shows, for tasks that find things; None where nobody labelled it."""
     unmoved: Unmoved | None = None
     """What `expected_dn` was before it was moved to another pose; None where it was not."""
+    whole: Whole | None = None  # None where all of its files is kept
 
     @property
     def frames(self) -> int:

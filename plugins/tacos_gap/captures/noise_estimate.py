@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from tacos_gap.captures.capture import Noise
+from tacos_gap.captures.capture import Noise, RealCapture
 from tacos_gap.captures.rounding import are_whole, before_rounding
 
 BINS = 12
@@ -24,24 +24,16 @@ _LAPLACIAN_GAIN = 36.0
 """Sum of squares of the kernel [[1, -2, 1], [-2, 4, -2], [1, -2, 1]] (Immerkaer 1996)."""
 
 
-def estimate_noise(
-    real_dn: NDArray[np.float32],
-    expected_dn: NDArray[np.float32] | None,
-    valid: NDArray[np.bool_],
-    black_level_dn: float,
-    white_level_dn: float,
-    mosaic: bool = False,
-) -> Noise:
+def estimate_noise(capture: RealCapture) -> Noise:
     """A straight line through variance against signal, per channel.
 
     Differences of frames give the variance where there are two; else a high-pass that lets no plane through
     (Immerkaer 1996, "Fast noise variance estimation", CVIU 64(2)), by its median, so that edges count little.
-
-    - `expected_dn`: expected values, so that edges and mosaics are not taken for noise; None where there are
-      none.
-    - `valid`: (H, W) pixels that count.
-    - `mosaic`: true if neighbours have other colours.
+    Expected values, where there are some, keep edges and mosaics from being taken for noise.
     """
+    real_dn, expected_dn, valid = capture.real_dn, capture.expected_dn, capture.valid
+    context, mosaic = capture.context, capture.context.cfa is not None
+    black_level_dn = context.black_level_dn
     static = len(real_dn) > 1 and (expected_dn is None or len(expected_dn) == 1)
     if static:  # pixels by themselves tell it, and some of many do
         real_dn, valid = thinned(real_dn), thinned(valid[..., None])[..., 0]
@@ -49,7 +41,7 @@ def estimate_noise(
     level = real_dn.mean(axis=0)
     detail = real_dn[0] if expected_dn is None else real_dn[0] - expected_dn[0]
     variance = real_dn.var(axis=0, ddof=1) if static else _high_pass_variance(detail, 2 if mosaic else 1)
-    white = 0.95 * white_level_dn
+    white = 0.95 * context.white_level_dn
     clipped = (level >= white) | (level <= 0) | ~valid[..., None]
     if expected_dn is not None:
         clipped |= expected_dn.mean(axis=0) >= white

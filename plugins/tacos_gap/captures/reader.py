@@ -9,19 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import Document, Fault, ImageContext, ImageGeometry, UserError, check, read_yaml
-from tacos_gap.captures.capture import Board, CaptureFolder, Objects, RealCapture
+from tacos_gap.captures.capture import Board, CaptureFolder, Noise, Objects, RealCapture
 from tacos_gap.captures.doubts import doubt_of_files, doubts
 from tacos_gap.captures.entries import BoardEntry, CaptureEntry, FolderEntry
 from tacos_gap.captures.expected_values import ExpectedValues, Render
 from tacos_gap.captures.files import MAX_FRAMES, CaptureFiles
+from tacos_gap.captures.large import as_kept
 from tacos_gap.captures.lens_and_sensor import FOCAL_LENGTH_MM, filters_of, geometry_of, unstated
 from tacos_gap.captures.missing import FILE, nothing_to_read
-from tacos_gap.captures.noise_estimate import estimate_noise
 from tacos_gap.captures.other_yaml import something_else
 from tacos_gap.captures.plausibility import faults_of, limitations_of, order_faults
 from tacos_gap.captures.stated_noise import StatedNoise
 from tacos_gap.captures.targets.expectation import with_own_expectations
 from tacos_gap.captures.time_order import in_time_order, time_doubts
+
+_NOT_YET_ESTIMATED = Noise((0.0,), (0.0,), known=False)
 
 _ASSUMED_MS = 30.0
 """Stands for an exposure time that is not stated [ms]."""
@@ -122,10 +124,7 @@ class _Reader:
             valid=valid,
             geometry=geometry,
             context=context,
-            noise=noise
-            or estimate_noise(
-                real, expected, valid, camera.black_level_dn, camera.white, mosaic=camera.cfa is not None
-            ),
+            noise=noise or _NOT_YET_ESTIMATED,
             exposure_stated=entry.exposure_ms is not None,
             group=entry.group,
             level_uncertainty=entry.level_uncertainty,
@@ -140,6 +139,7 @@ class _Reader:
             unstated=unstated(camera),
             objects=objects,
         )
+        capture = as_kept(capture)
         for key, what, wanted, remedy in faults_of(capture):
             files.fault(("captures", i, key), what, wanted, remedy)
         return capture if len(files.faults) == before else None

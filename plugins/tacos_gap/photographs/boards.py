@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import cv2
@@ -11,14 +11,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tacos_files.camera_images import read_image
+from tacos_gap.photographs.board_lattice import is_whole
 from tacos_gap.photographs.charuco import Layout, Markers, find_markers, layout_of
 from tacos_gap.photographs.picture import Picture
 
 USUAL_SQUARE_MM = 25.0
 _CANDIDATES = 3
 _FEWEST = 0.15
-"""Pictures that show all of a board, over those that show a part of it, from which on it is the board: OpenCV
-finds a part wherever all of it is, and makes up no corners."""
+"""Share of the pictures of boards that show one whole from which on it is the board."""
+
+_ENOUGH_VIEWS = 3
+"""Views that say what board it is, so that it is looked for in scenes as well."""
 
 _USUAL = ((7, 5), (7, 6), (8, 5), (8, 6), (9, 6), (9, 7), (10, 7), (11, 7), (11, 8), (12, 8))
 """Boards that are printed often, of which a part may have been counted."""
@@ -87,11 +90,14 @@ def _chessboard(pictures: Sequence[Picture], given: tuple[int, int] | None) -> B
     if not pictures:
         return None
     greys = {picture: _grey(picture) for picture in pictures}
-    sizes = [given] if given else list(_sizes(pictures, greys))
-    found = [_views_of(size, greys) for size in sizes]
-    most = max(len(board.views) for board in found)
-    likely = [board for board in found if len(board.views) >= max(_FEWEST * most, min(2, most))]
-    return max(likely, key=lambda board: (np.prod(board.inner_corners), len(board.views)))
+    sizes = [given] if given else sorted(_sizes(pictures, greys), key=lambda size: -size[0] * size[1])
+    found = BoardFound(sizes[0], {}) if sizes else None
+    for size in sizes:  # a part is found wherever all is, so that the fullest comes first
+        board = _views_of(size, greys)
+        if len(board.views) >= max(_FEWEST * len(pictures), min(2, len(pictures))):
+            return board
+        found = max(found or board, board, key=lambda each: len(each.views))
+    return found
 
 
 def _sizes(
@@ -122,9 +128,24 @@ def _views_of(size: tuple[int, int], greys: Mapping[Picture, tuple[NDArray[np.ui
     views = {
         picture: BoardView(points, _unscaled(corners, scale))
         for picture, (grey, scale) in greys.items()
-        if (corners := _corners(grey, size)) is not None
+        if (corners := _corners(grey, size)) is not None and is_whole(grey, corners.reshape(rows, columns, 2))
     }
     return BoardFound(size, views)
+
+
+def with_unseen_views(
+    pictures: Sequence[Picture], boards: Sequence[BoardFound]
+) -> tuple[list[Picture], tuple[BoardFound, ...]]:
+    """Pictures and boards, with the views of a known chessboard that were taken for scenes."""
+    known = next((b for b in boards if b.layout is None and len(b.views) >= _ENOUGH_VIEWS), None)
+    scenes = [picture for picture in pictures if picture.shown.kind == "scene"]
+    if known is None or not scenes:
+        return list(pictures), tuple(boards)
+    seen = _views_of(known.inner_corners, {picture: _grey(picture) for picture in scenes}).views
+    as_boards = {p: replace(p, shown=replace(p.shown, kind="board", doubt="")) for p in seen}
+    more = {as_boards[picture]: view for picture, view in seen.items()}
+    found = replace(known, views={**known.views, **more})
+    return [as_boards.get(p, p) for p in pictures], tuple(found if b is known else b for b in boards)
 
 
 def _grey(picture: Picture) -> tuple[NDArray[np.uint8], float]:

@@ -13,7 +13,7 @@ from typing import Any
 
 from tacos_framework import Fault, UserError
 from tacos_gap.captures.missing import FILE
-from tacos_gap.photographs.boards import USUAL_SQUARE_MM, BoardFound, boards_of
+from tacos_gap.photographs.boards import USUAL_SQUARE_MM, BoardFound, boards_of, with_unseen_views
 from tacos_gap.photographs.camera import CameraFound, camera_of, focal_px_of_views
 from tacos_gap.photographs.caps_and_walls import with_kinds_weighed
 from tacos_gap.photographs.exposure_times import with_times
@@ -108,6 +108,7 @@ def _sorted(looked_at: Sequence[Picture], tables: Sequence[Table], given: Given)
     pictures, of_kinds = with_kinds_weighed(pictures, given)
     with_boards = [picture for picture in pictures if picture.shown.kind == "board"]
     boards = boards_of(with_boards, given.inner_corners)
+    pictures, boards = with_unseen_views(pictures, boards)
     lost = [picture for picture in with_boards if all(picture not in board.views for board in boards)]
     lost += _likelier_boards(pictures, with_boards, given)
     doubts += [f"{picture.name} is left out: {_not_seen(picture, boards, given)}." for picture in lost]

@@ -14,6 +14,7 @@ from tacos_gap.captures.targets.chart_pixels import in_colour
 from tacos_gap.captures.targets.slanted_edge import find_edge
 from tacos_gap.captures.targets.two_tone import darkness, find_print, paper_level
 from tacos_gap.captures.targets.wall import shading
+from tacos_gap.photographs.board_lattice import size_of_board
 from tacos_gap.photographs.charuco import Markers, find_markers
 
 DARK_SHARE = 0.1
@@ -61,8 +62,7 @@ class Shown:
     level: float  # middle value over full scale
     sharpness: float  # energy of the finest detail over that of the picture: falls when the focus moves
     corners: tuple[int, int] | None = None
-    """Inner corners (columns, rows) that OpenCV counted on a chessboard; more or fewer where it is cut
-    off."""
+    """Inner corners (columns, rows) that were counted on a chessboard; fewer where it is cut off."""
     markers: Markers | None = None  # those of a ChArUco board
     doubt: str = ""  # what is uncertain of it, to stand behind its name; empty if nothing is
 
@@ -222,7 +222,8 @@ def _board(eight: NDArray[np.uint8]) -> tuple[int, int] | None:
     if not found or len(corners) < _FEWEST_CORNERS:
         return None
     rows, columns = layout.shape[:2]
-    return (max(rows, columns), min(rows, columns))
+    counted = size_of_board(eight, np.asarray(corners, np.float64).reshape(rows, columns, 2))
+    return counted or (max(rows, columns), min(rows, columns))
 
 
 def _two_levels(grey: NDArray[np.float32]) -> bool:

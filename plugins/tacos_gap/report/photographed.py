@@ -65,7 +65,8 @@ def _taken(capture: RealCapture) -> str:
 
 def thumbnail(capture: RealCapture) -> NDArray[np.uint8]:
     """The first real frame, small, as a viewer would show it: black level black, full scale white."""
-    return small_picture(capture.real_dn[0], capture.context.black_level_dn, capture.context.white_level_dn)
+    frame = capture.whole.small_dn if capture.whole else capture.real_dn[0]
+    return small_picture(frame, capture.context.black_level_dn, capture.context.white_level_dn)
 
 
 def small_picture(frame: NDArray[Any], black_dn: float, white_dn: float) -> NDArray[np.uint8]:

@@ -17,7 +17,9 @@ from tacos_gap.captures.large import (
     ENOUGH_SAMPLES,
     FEWEST_CAPTURES,
     GRID_PX,
+    KEPT_PIXELS,
     LEAST_PIXELS,
+    as_kept,
     enough_pixels,
     left_out,
     measured_part,
@@ -160,6 +162,42 @@ def test_each_trial_of_a_large_folder_simulates_those_captures_alone():
     evidence, said = gather(CaptureFolder(None, (*exposed("flat", 45),)), seed=0)
     assert len(evidence) == 30
     assert any("30 of the 45 captures" in text for text in said)
+
+
+@pytest.mark.parametrize("kind", ["dark", "flat", "bracket"])
+def test_of_large_pictures_of_even_light_the_middle_is_kept(kind):
+    kept = as_kept(capture(1300, 1400, kind))
+    assert kept.valid.shape == kept.real_dn.shape[1:3] == kept.expected_dn.shape[1:3] == (704, 1400)
+    assert kept.valid.size <= KEPT_PIXELS
+    assert kept.real_dn.base is None, "the whole is let go"
+    assert kept.geometry.offset_px == (0, 304)
+    assert kept.whole.small_dn.shape == (594, 640, 1), "a page shows all of it"
+    (_, limitations) = gather(CaptureFolder(None, (kept,)), seed=0)
+    assert any(text.startswith("a: of 1400 x 1300 pixels, 1400 x 352 are measured") for text in limitations)
+
+
+@pytest.mark.parametrize("kind", ["scene", "chart"])
+def test_of_scenes_and_charts_all_is_kept(kind):
+    large = capture(1300, 1400, kind)
+    assert as_kept(large) is large
+
+
+def test_of_a_large_edge_lines_across_it_are_kept_whichever_way_it_lies():
+    level = capture(1300, 1400, "edge")
+    level.real_dn[0, 900:] = 30.0
+    rows, columns = as_kept(level).valid.shape
+    assert (rows, columns) == (1300, 768)
+    upright = capture(1300, 1400, "edge")
+    upright.real_dn[0, :, 900:] = 30.0
+    assert as_kept(upright).valid.shape == (704, 1400)
+
+
+def test_a_large_board_is_kept_in_grey():
+    colours = np.repeat(np.arange(3, dtype=np.float32)[None, None, None], 1500, axis=1).repeat(1100, axis=2)
+    board = as_kept(replace(capture(1500, 1100, "board"), real_dn=colours.repeat(2, axis=0)))
+    assert board.real_dn.shape == (1, 1500, 1100, 1)
+    assert np.ptp(board.real_dn) == 0
+    assert board.real_dn[0, 0, 0, 0] == 1.0
 
 
 def test_what_is_not_measured_is_said():

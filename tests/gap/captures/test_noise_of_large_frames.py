@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from tacos_framework.values import ImageContext
 from tacos_gap.captures.noise_estimate import ENOUGH_PIXELS, estimate_noise, thinned
+from tests.gap.small_captures import capture
 
 
 @pytest.mark.parametrize("size", [(1200, 1600), (1000, 4002), (2000, 999), (1601, 1003)])
@@ -28,6 +32,14 @@ def test_the_noise_of_a_large_frame_is_that_of_a_small_one(frames):
     light = np.linspace(20, 200, 1700, dtype=np.float32)
     shape = (frames, 1100, 1700, 1)
     real = light[:, None] + rng.standard_normal(shape, np.float32) * np.sqrt(2 + 0.1 * light)[:, None]
-    noise = estimate_noise(real, None, np.ones(shape[1:3], bool), 0.0, 255.0)
+    context = ImageContext(black_level_dn=0.0, white_level_dn=255.0)
+    wall = replace(
+        capture("wall", "flat", 0.0),
+        real_dn=real,
+        expected_dn=None,
+        valid=np.ones(shape[1:3], bool),
+        context=context,
+    )
+    noise = estimate_noise(wall)
     assert noise.photon_dn[0] == pytest.approx(0.1, rel=0.1)
     assert noise.thermal_dn2[0] == pytest.approx(2, rel=0.2)

@@ -49,7 +49,7 @@ class Expected:
 def with_own_expectations(
     captures: Sequence[RealCapture],
 ) -> tuple[tuple[RealCapture, ...], tuple[str, ...]]:
-    """Give captures that lack an expectation the one their own pictures make, by their kind.
+    """Give captures that lack an expectation the one their own pictures make, by their kind; and all a noise.
 
     Returns: the captures that have an expectation or need none, in their order; and a sentence for each that
     was left out.
@@ -61,14 +61,15 @@ def with_own_expectations(
     kept, said = [], []
     for capture in captures:
         if capture.kind == "board" or capture.expected_dn is not None:
-            kept.append(capture)
+            own = capture.noise if capture.noise.known else estimate_noise(capture)
+            kept.append(replace(capture, noise=own))
             continue
         expected = found.get(capture.id) or _expected(capture)
         if expected.lacks:
             said.append(f"{capture.id}: {expected.lacks}")
         else:
-            own = _above_the_darks(expected.capture, zero_dn[capture.context.gain_db])
-            kept.append(_with_noise(own, noise[capture.context.gain_db]))
+            above = _above_the_darks(expected.capture, zero_dn[capture.context.gain_db])
+            kept.append(_with_noise(above, noise[capture.context.gain_db]))
     return tuple(kept), tuple(said)
 
 
@@ -91,23 +92,11 @@ def _above_the_darks(capture: RealCapture, zero_dn: NDArray[np.float64]) -> Real
 
 
 def _with_noise(capture: RealCapture, pooled: Noise | None) -> RealCapture:
-    """With an unknown noise estimated anew, now that edges and mosaics are not taken for it."""
+    """With an unknown noise estimated, now that edges and mosaics are not taken for it."""
     if capture.noise.known:
         return capture
-    context = capture.context
     single = capture.frames == 1 and capture.kind in ("edge", "chart", "flat")
-    own = (
-        pooled
-        or (even_noise(capture) if single else None)
-        or estimate_noise(
-            capture.real_dn,
-            capture.expected_dn,
-            capture.valid,
-            context.black_level_dn,
-            context.white_level_dn,
-            mosaic=context.cfa is not None,
-        )
-    )
+    own = pooled or (even_noise(capture) if single else None) or estimate_noise(capture)
     return replace(capture, noise=own)
 
 

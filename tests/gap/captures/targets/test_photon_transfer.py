@@ -77,7 +77,7 @@ def test_what_rounding_does_is_undone(sigma_dn, level_dn):
 def test_darks_of_few_codes_say_how_they_scatter():
     rng = np.random.default_rng(3)
     files = _files(rng, np.zeros((200, 200)), dn_per_electron=0.0425, read_e=6.0, black_dn=8.0, frames=3)
-    found = estimate_noise(files, None, np.ones((200, 200), bool), 8.0, 255.0)
+    found = estimate_noise(_flat(files, 8.0))
     assert isinstance(found, Noise)
     assert found.thermal_dn2[0] == pytest.approx((6 * 0.0425) ** 2, rel=0.1)
 
