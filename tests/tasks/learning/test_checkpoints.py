@@ -15,7 +15,11 @@ torch = pytest.importorskip("torch", reason="the extra perception is not install
 from safetensors.numpy import save_file as save_arrays  # noqa: E402
 from safetensors.torch import save_file  # noqa: E402
 
-from tacos_plugins.tasks.learning.checkpoints import load_checkpoint, read_checkpoint  # noqa: E402
+from tacos_plugins.tasks.learning.checkpoints import (  # noqa: E402
+    load_checkpoint,
+    named_weights,
+    read_checkpoint,
+)
 from tacos_plugins.tasks.learning.states import fresh_state  # noqa: E402
 
 
@@ -101,6 +105,15 @@ def test_what_is_no_checkpoint_is_called_so(tmp_path):
         (fault,) = caught.value.faults
         assert fault.where == "task.test weights", path.name
         assert "safetensors" in fault.expected
+
+
+@pytest.mark.parametrize("content", [b"", b"<!DOCTYPE html>", b"garbage\n"])
+@pytest.mark.parametrize("suffix", [".pth", ".safetensors"])
+def test_what_begins_as_no_checkpoint_is_refused_before_anything_is_rendered(content, suffix, tmp_path):
+    path = tmp_path / f"weights{suffix}"
+    path.write_bytes(content)
+    with pytest.raises(UserError, match="is not a checkpoint"):
+        named_weights(str(path), where="weights")
 
 
 def test_a_missing_file(tmp_path):

@@ -51,7 +51,7 @@ def named_weights(name: str, *, where: str, others: Sequence[str] = ()) -> Path 
 
     `others`: what else the setting may say, for the message.
 
-    Raises `UserError` when there is no such file.
+    Raises `UserError` when there is no such file, or it begins as no checkpoint does.
     """
     if name == NONE:
         return None
@@ -66,6 +66,7 @@ def named_weights(name: str, *, where: str, others: Sequence[str] = ()) -> Path 
                     "Correct the path, or make it: procedure.pretrain does.",
                 )
             )
+        _refuse_other_kinds(path, where)
         return path
     shipped = {path.stem: path for path in (shipped_folder("catalogs") / "weights").glob("*.safetensors")}
     if name not in shipped:
@@ -75,6 +76,15 @@ def named_weights(name: str, *, where: str, others: Sequence[str] = ()) -> Path 
             Fault(where, f"no weights {name!r} are shipped", expected, did_you_mean(name, shipped))
         )
     return shipped[name]
+
+
+def _refuse_other_kinds(path: Path, where: str) -> None:
+    """Raise where a file begins as a web page, a note or nothing: before anything is rendered."""
+    head = read_bytes(path, "weights_mb", where=where)[:9]
+    if path.suffix == ".safetensors" and head[8:] != b"{":
+        raise _not_one(path, where, "it is no safetensors file")
+    if all(9 <= byte < 127 for byte in head):  # text; pickles and archives have other bytes
+        raise _not_one(path, where, f"it begins with {head.decode()!r}" if head else "it is empty")
 
 
 def read_checkpoint(path: Path, *, where: str) -> dict[str, Tensor]:
