@@ -134,6 +134,10 @@ def test_a_sensor_and_a_lens_cost_together() -> None:
         ({"camera": {**OWN, "hfov_deg": None}}, "neither hfov_deg nor focal_length_mm is known"),
         ({"camera": {**OWN, "price_xyz": 3.0}}, "price_xyz names no currency that is known here"),
         ({"camera": {**OWN, "mass": 3.0}}, "mass_g, with its unit, in place of mass"),
+        (
+            {"camera": {**OWN, "black_level_dn": 900, "black_level_bits": 10}},
+            "900 DN at 10 bit, leaves less than half of the range for light",
+        ),
     ],
 )
 def test_what_does_not_go_together_is_said(variables, said: str) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 from pydantic import ConfigDict, model_validator
 from pydantic_core import PydanticCustomError
@@ -91,6 +91,13 @@ class SensorPart(PricedPart):
                     "lacks_unit", f"{units[column]}, with its unit, in place of {column}"
                 )
         return given
+
+    @model_validator(mode="after")
+    def _black_level_leaves_a_range(self) -> Self:
+        if (share := self._black_level_share) is not None and share >= 0.5:
+            said = f"its black level, {self.black_level_dn:g} DN at {self.black_level_bits} bit, leaves"
+            raise ValueError(f"{said} less than half of the range for light")
+        return self
 
     @property
     def width_mm(self) -> float:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import replace
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,6 +112,7 @@ class CameraSensor(Emva):
             ge=0,
         )
 
+    use: ClassVar[str] = "sensor.camera"
     config: Config
     _draw: Draw = MIDDLE
     _pedestal_dn: float | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,13 +101,16 @@ class Emva:
             0.0, help="Pedestal in the images, which keeps noise around black from clipping.", unit="DN", ge=0
         )
 
+    use: ClassVar[str] = "sensor.emva"
+    """Its name in messages."""
+
     def __init__(self, config: Config) -> None:
         self.config = config
         faults = []
         if (config.black_level_dn or 0) >= self.white_level_dn:
             faults.append(
                 Fault(
-                    "sensor.emva",
+                    self.use,
                     f"black_level_dn is {config.black_level_dn}",
                     f"below the white level, {self.white_level_dn} DN at {config.bit_depth} bit",
                     "Lower black_level_dn or raise bit_depth.",
@@ -115,9 +118,7 @@ class Emva:
             )
         if not all(response > 0 for response in config.channel_response or ()):
             faults.append(
-                Fault(
-                    "sensor.emva", f"channel_response is {config.channel_response}", "three numbers above 0"
-                )
+                Fault(self.use, f"channel_response is {config.channel_response}", "three numbers above 0")
             )
         if faults:
             raise UserError(faults)
