@@ -23,4 +23,4 @@ class AblationConfig(Settings):
     confidence: float = setting(
         0.95, help="Confidence of the intervals of tau, and of a camera that is not as good.", gt=0, lt=1
     )
-    resamples: int = setting(1000, help="Draws of scenes behind the intervals of tau.", ge=10)
+    resamples: int = setting(200, help="Draws of scenes behind the intervals of tau.", ge=10)
