@@ -133,6 +133,18 @@ def test_darkness_cut_off_at_0_is_said_and_does_not_bend_the_gain(tmp_path):
     assert any("cut off at 0 DN" in doubt for doubt in result["doubts"])
 
 
+def test_eight_bits_cut_out_of_twelve_keep_the_gain(tmp_path):
+    camera = Camera1288(gain=0.25, black=14.0)
+    folder = camera.write(tmp_path / "f", levels=24)
+    for path in folder.glob("*.npy"):
+        np.save(path, (np.load(path) >> 4).astype(np.uint8))
+    table = folder / "frames.csv"
+    table.write_text(table.read_text().replace("kind,exposure_ns,photons", "Kind,Exposure_ns,Photons"))
+    result = calibrate(folder, tmp_path)
+    assert value(result, "system_gain_dn_per_e") == pytest.approx(camera.gain / 16, rel=0.02)
+    assert value(result, "quantum_efficiency") == pytest.approx(camera.efficiency, rel=0.02)
+
+
 def test_bands_of_a_lamp_are_named_and_not_fitted(tmp_path):
     camera = Camera1288(bands=0.02)
     result = calibrate(camera.write(tmp_path / "f"), tmp_path)

@@ -79,9 +79,9 @@ def test_blur_along_the_path_is_the_mean_over_the_longer_exposure() -> None:
 
 @pytest.mark.parametrize(("row", "column"), [(0, 0), (0, 1), (1, 1)])
 def test_highlights_that_one_colour_clips_are_clipped_further_in_all(row: int, column: int) -> None:
-    codes = np.tile(np.linspace(100, 3000, 96), (1, 96, 1)).astype(np.uint16)
+    codes = np.tile(np.linspace(100, 3000, 96), (2, 96, 1)).astype(np.uint16)
     codes[:, row::2, column::2][..., 32:] = 3978  # full photosites, below the largest code
-    exposures = {f"{ms}": ExposedFrames(float(ms), np.zeros(1), codes) for ms in (1, 2)}
+    exposures = {f"{ms}": ExposedFrames(float(ms), np.arange(2.0), codes) for ms in (1, 2)}
     recording = Recording(exposures, 12, linear_response(4095), "linear")
     still = Motion(np.zeros(1), np.zeros((1, 48, 48, 2), np.float32))
     replay = Replay(recording, "2", "1", recording.light("2"), LinearNoise(0.0, 0.0), still, 0.0, 2)
@@ -90,3 +90,33 @@ def test_highlights_that_one_colour_clips_are_clipped_further_in_all(row: int, c
     others = np.ones((96, 96), bool)
     others[row::2, column::2] = False
     assert (clipped < as_is)[others].any()
+
+
+def replay_of(own_s: list[float], wanted_s: list[float]) -> Replay:
+    codes = np.zeros((len(own_s), 8, 8), np.uint16)
+    exposures = {
+        "1": ExposedFrames(1.0, np.array(own_s), codes),
+        "2": ExposedFrames(2.0, np.array(wanted_s), np.zeros((len(wanted_s), 8, 8), np.uint16)),
+    }
+    recording = Recording(exposures, 12, linear_response(4095), "linear")
+    still = Motion(np.zeros(1), np.zeros((1, 4, 4, 2), np.float32))
+    return Replay(recording, "1", "2", recording.light("1"), LinearNoise(0.0, 0.0), still, 0.0, 1)
+
+
+def test_frames_are_replayed_as_those_of_their_moment() -> None:
+    assert replay_of([0.23, 0.5, 0.77], [0.0, 0.27, 0.54]).moments() == ((0, 1), (1, 2))
+    assert replay_of([0.0, 0.1, 0.2, 0.3], [0.01, 0.21]).moments() == ((0, 0), (2, 1))
+    assert replay_of([0.0, 0.1], [5.0, 5.1]).moments() == ()
+
+
+def test_shadows_that_are_cut_off_in_the_source_are_cut_off_further() -> None:
+    replay = replay_of([0.0, 1.0], [0.0, 1.0])
+    assert replay.lacks() == ("noise", "shadows")
+    light = np.tile(np.linspace(-3, 9, 64, dtype=np.float32).clip(0), (64, 1))
+    codes = np.stack([light, light]).round().astype(np.uint16)
+    exposures = {f"{ms}": ExposedFrames(float(ms), np.arange(2.0), codes) for ms in (1, 2)}
+    recording = Recording(exposures, 12, linear_response(4095), "linear")
+    again = Replay(recording, "1", "2", recording.light("1"), LinearNoise(0.0, 0.0), replay.motion, 0.0, 1)
+    as_is, cut = (next(again.frames(np.random.default_rng(0), lack)) for lack in (None, "shadows"))
+    assert cut.min() > as_is.min() == 0
+    assert cut.max() == as_is.max()

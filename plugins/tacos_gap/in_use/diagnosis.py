@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from tacos_framework import Progress
 from tacos_gap.in_use.detail import detail_of
 from tacos_gap.in_use.motion import MotionBlur, motion_blur
-from tacos_worlds.recorded.reader import TIMES, read_recording
+from tacos_worlds.recorded.reader import read_recording
 from tacos_worlds.recorded.recording import ExposedFrames, Recording
 from tacos_worlds.recorded.response import Response, estimated_response
 from tacos_worlds.recorded.source import Source
+from tacos_worlds.recorded.times import TIMES
 
 MOTION = "effect.motion-blur"
 _QUIET = 0.4
@@ -134,7 +135,7 @@ def _quietest(recording: Recording) -> Recording:
 
 
 def _mosaic(recording: Recording) -> int:
-    return 2 if recording.has_mosaic else 1
+    return 1 if recording.mosaic == "none" else 2
 
 
 def _response(recording: Recording, chosen: slice) -> Response:

@@ -78,14 +78,23 @@ def system_gain(brights: Brights, darks: Darks, selected: Selection) -> float:
     """K, the slope of variance over mean [DN/e-], darkness subtracted (Sec. 6.6).
 
     Darkness that rounding hides or that is cut off at 0 says nothing of its own variance: then the line has
-    an offset instead.
+    an offset instead, and dim levels, whose variance is known best, weigh most.
     """
     of_fit = selected.fitted
     if selected.free_offset:
-        return line(brights.mean_dn[of_fit], brights.variance_dn2[of_fit], offset=True)[1]
+        return free_transfer(brights, selected)[1]
     signal = brights.mean_dn - at_exposure(darks, darks.mean_dn, brights.exposure_s)
     variance = brights.variance_dn2 - at_exposure(darks, darks.variance_dn2, brights.exposure_s)
     return line(signal[of_fit], variance[of_fit], offset=False)[1]
+
+
+def free_transfer(brights: Brights, selected: Selection) -> tuple[float, float]:
+    """Offset [DN^2] and slope [DN] of variance over mean, weighted by the errors of variances."""
+    used = selected.fitted
+    slope, offset = np.polyfit(
+        brights.mean_dn[used], brights.variance_dn2[used], 1, w=1 / brights.variance_error_dn2[used]
+    )
+    return float(offset), float(slope)
 
 
 def linearity(light: Array, signal: Array, linear: NDArray[np.bool_]) -> Array:

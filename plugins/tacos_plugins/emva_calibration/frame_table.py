@@ -49,7 +49,8 @@ def read_frame_table(folder: Path) -> tuple[FrameGroup, ...]:
         what = f"there is no {TABLE} in this folder" if folder.is_dir() else "there is no such folder"
         remedy = "Write a line for each frame; docs/how-to/calibrate_a_camera.md has an example."
         raise UserError(Fault(str(folder), what, f"a folder of frames with {TABLE}: {_COLUMNS}", remedy))
-    (_, heading), *lines = read_csv(path) or [(1, [])]
+    (_, first), *lines = read_csv(path) or [(1, [])]
+    heading = [name.lower() for name in first]
     exposures = [name for name in heading if name in _EXPOSURES_S]
     missing = [name for name in ("kind", "file") if name not in heading]
     if len(exposures) != 1:

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_plugins.emva_calibration.evaluation import figures, line, signals, system_gain
+from tacos_plugins.emva_calibration.evaluation import figures, free_transfer, line, signals, system_gain
 from tacos_plugins.emva_calibration.levels import Array, Brights, Darks, Selection, at_exposure
 
 DRAWS = 1000
@@ -62,7 +62,7 @@ def _excess(brights: Brights, darks: Darks, selected: Selection) -> float:
     """By how much levels scatter about the photon transfer beyond chance, 1 at least."""
     gain, used = system_gain(brights, darks, selected), selected.fitted
     if selected.free_offset:
-        offset, _ = line(brights.mean_dn[used], brights.variance_dn2[used], offset=True)
+        offset, _ = free_transfer(brights, selected)
         rest = brights.variance_dn2[used] - offset - gain * brights.mean_dn[used]
         error = brights.variance_error_dn2[used]
     else:

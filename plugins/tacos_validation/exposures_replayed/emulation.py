@@ -13,8 +13,9 @@ from tacos_worlds.recorded.motion import Motion, blurred
 from tacos_worlds.recorded.noise import LinearNoise
 from tacos_worlds.recorded.recording import Recording
 
-Lack = Literal["noise", "blur", "highlights"]
-"""Too much noise or blur in the source, or clipped highlights, beside the exposure it is replayed as."""
+Lack = Literal["noise", "blur", "highlights", "shadows"]
+"""Too much noise or blur in the source, or clipped highlights or shadows, beside the exposure it is replayed
+as."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,38 +37,54 @@ class Replay:
         exposures = self.recording.exposures
         return exposures[self.target].exposure_ms / exposures[self.source].exposure_ms
 
-    @property
-    def clipped(self) -> float:
-        """Share of the source's samples of which light is unknown, and the target's would not be [1]."""
-        return float(np.mean(self.light_dn >= self.recording.top_dn)) if self.ratio < 1 else 0.0
-
     def lacks(self) -> tuple[Lack, ...]:
         if self.ratio > 1:
-            return ("noise",)
-        return ("blur", "highlights") if self.clipped > 0 else ("blur",)
+            return ("noise", "shadows") if self.recording.cut_off(self.source) > 0 else ("noise",)
+        return ("blur", "highlights") if self.recording.clipped(self.source) > 0 else ("blur",)
+
+    def moments(self) -> tuple[tuple[int, int], ...]:
+        """Frames of the source and of the target that were taken nearest to each other, in time order.
+
+        A frame that has none within half a step is left out: what it shows the other never saw.
+        """
+        own_s, wanted_s = self._middles_s(self.source), self._middles_s(self.target)
+        step_s = float(np.median(np.diff(own_s)))
+        apart_s = np.abs(wanted_s[:, None] - own_s[None])
+        nearest = apart_s.argmin(1)
+        return tuple(
+            (int(own), wanted)
+            for wanted, own in enumerate(nearest)
+            if apart_s[wanted, own] <= step_s / 2 and apart_s[:, own].argmin() == wanted
+        )
+
+    def _middles_s(self, name: str) -> NDArray[np.float64]:
+        frames = self.recording.exposures[name]
+        return frames.stamp_s - self.stamp_after_middle * frames.exposure_ms * 1e-3
 
     def frames(self, rng: np.random.Generator, doubled: Lack | None) -> Iterator[NDArray[np.uint16]]:
         """(H, W) frames as the target would have stored them, with one lack of the source doubled."""
-        source = self.recording.exposures[self.source]
-        target = self.recording.exposures[self.target]
-        clip_dn = np.inf
+        own_ms = self.recording.exposures[self.source].exposure_ms
+        target_ms = self.recording.exposures[self.target].exposure_ms
+        own_s, target_s = self._middles_s(self.source), self._middles_s(self.target)
+        every_colour = self.light_dn[:, ::3, ::3]
+        lowest_dn, highest_dn = -np.inf, np.inf
         if doubled == "highlights":
-            every_colour = self.light_dn[:, ::3, ::3]
-            clip_dn = float(np.quantile(every_colour, max(0.0, 1 - 2 * self.clipped)))
-        for index, light_dn in enumerate(self.light_dn):
-            light_dn = np.minimum(light_dn, np.float32(clip_dn))
-            at = min(index, len(target.stamp_s) - 1)
-            middle_s = target.stamp_s[at] - self.stamp_after_middle * target.exposure_ms * 1e-3
-            wanted_ms = target.exposure_ms
+            clipped = self.recording.clipped(self.source)
+            highest_dn = float(np.quantile(every_colour, max(0.0, 1 - 2 * clipped)))
+        if doubled == "shadows":
+            cut_off = self.recording.cut_off(self.source)
+            lowest_dn = float(np.quantile(every_colour, min(1.0, 2 * cut_off)))
+        for own, wanted in self.moments():
+            light_dn = np.clip(self.light_dn[own], np.float32(lowest_dn), np.float32(highest_dn))
+            middle_s, wanted_ms = target_s[wanted], target_ms
             if doubled == "blur":
-                middle_s = source.stamp_s[index] - self.stamp_after_middle * source.exposure_ms * 1e-3
-                wanted_ms = 2 * source.exposure_ms - target.exposure_ms
-            if wanted_ms > source.exposure_ms:
+                middle_s, wanted_ms = own_s[own], 2 * own_ms - target_ms
+            if wanted_ms > own_ms:
                 light_dn = blurred(
                     light_dn,
                     self.motion,
                     middle_s=middle_s,
-                    own_ms=source.exposure_ms,
+                    own_ms=own_ms,
                     wanted_ms=wanted_ms,
                     mosaic=self.mosaic,
                 )

@@ -19,8 +19,10 @@ LEAST_TOLERANCE = 10.0
 REASONS: Mapping[Lack, str] = {
     "noise": "the source is noisier than this exposure, and its noise decides",
     "blur": "the source is blurred by more motion than this exposure, and its blur decides",
-    "highlights": "highlights are clipped in the source and not in this exposure, and they decide",
+    "highlights": "highlights are clipped or uncertain in the source alone, and they decide",
+    "shadows": "shadows are cut off in the source and not in this exposure, and they decide",
 }
+OTHER_MOMENTS = "the frames of the source were taken at other moments: fewer than two lie beside these"
 
 
 @dataclass(frozen=True)

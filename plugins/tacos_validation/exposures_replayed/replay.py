@@ -14,7 +14,12 @@ from numpy.typing import NDArray
 from tacos_framework import Fault, Progress, Settings, UserError, generator, setting
 from tacos_report.page import write_page
 from tacos_validation.exposures_replayed.emulation import Lack, Replay
-from tacos_validation.exposures_replayed.findings import SourceFindings, replayed
+from tacos_validation.exposures_replayed.findings import (
+    OTHER_MOMENTS,
+    ReplayedExposure,
+    SourceFindings,
+    replayed,
+)
 from tacos_validation.exposures_replayed.inliers import Detector, inliers_of_pairs
 from tacos_validation.exposures_replayed.pages import page, summary
 from tacos_worlds.recorded.motion import Motion, shots_of, steps_between
@@ -33,8 +38,9 @@ CONVERSIONS = {
 class ReplayExposures:
     """Replays each exposure of a recording from every other, and ranks them beside the real ones.
 
-    The recording is a folder of raw frames ``NNms_K.png`` with ``times.csv`` (file, taken_ns) and, where it
-    is known, ``response.txt``. The score is the mean of the inliers of consecutive frames.
+    The recording is a folder of raw frames ``NNms_K.png`` (or TIFF, PGM, npy) with ``times.csv`` (file,
+    taken_ns) and, where it is known, ``response.txt``. The score is the mean of the inliers of consecutive
+    frames.
 
     Motion, noise and response are measured in the recording. The motion that blurs a longer exposure is never
     measured in the frames of that exposure.
@@ -44,7 +50,11 @@ class ReplayExposures:
         recording: str = setting("recording", help="Folder of the frames.", min_length=1, is_path=True)
         mosaic: Literal["auto", "RG", "GR", "BG", "GB", "none"] = setting(
             "auto",
-            help="Colour filters by OpenCV's names; auto finds where green is and takes RG or GR.",
+            help="Colour filters by OpenCV's names; auto sees whether there are any and where green is, and "
+            "takes RG or GR.",
+        )
+        bit_depth: int | None = setting(
+            None, help="Bits per sample; by default what the samples reach.", unit="bit", ge=8, le=16
         )
         detector: Detector = setting("orb", help="Whose features are followed from frame to frame.")
         features: int = setting(2000, help="Features of a frame, the strongest.", ge=8)
@@ -60,13 +70,11 @@ class ReplayExposures:
         self.config = config
 
     def check(self) -> None:
-        self._sources(read_recording(self.config.recording))
+        self._sources(self._read())
 
     def run(self, *, out: Path, seed: int, progress: Progress) -> Mapping[str, Any]:
-        recording = read_recording(self.config.recording)
-        mosaic = self.config.mosaic
-        if mosaic == "auto":
-            mosaic = "GR" if recording.green_on_diagonal else "RG"
+        recording = self._read()
+        mosaic = recording.mosaic if self.config.mosaic == "auto" else self.config.mosaic
         conversion = CONVERSIONS.get(mosaic)
         light = {name: recording.light(name) for name in recording.exposures}
         progress.phase("Measuring motion", len(light))
@@ -91,18 +99,22 @@ class ReplayExposures:
                 replay = Replay(
                     recording, source, target, light[source], noise, motions[target], after_middle, period
                 )
+                ms = recording.exposures[target].exposure_ms
+                truth = float(real[target].mean()) if target in real else None
+                progress.step(f"{target} ms from {source} ms")
+                if len(replay.moments()) < 2:
+                    exposures.append(ReplayedExposure(ms, truth, None, None, OTHER_MOMENTS))
+                    continue
 
                 def score(doubled: Lack | None, replay: Replay = replay) -> NDArray[np.float64]:
                     rng = generator(seed, "replay", replay.source, replay.target)
                     return count(replay.frames(rng, doubled))
 
                 worse = {lack: float(score(lack).mean()) for lack in replay.lacks()}
-                ms = recording.exposures[target].exposure_ms
-                truth = float(real[target].mean()) if target in real else None
                 exposures.append(replayed(ms, truth, score(None), worse))
-                progress.step(f"{target} ms from {source} ms")
             sources[source] = SourceFindings(tuple(exposures))
-        notes = (recording.response_from, _words_of_stamps(after_middle))
+        depth = f"Samples have {recording.bits} bits; mosaic: {mosaic}."
+        notes = (recording.response_from, depth, _words_of_stamps(after_middle))
         write_page(out / "report.html", page(sources, notes))
         return {
             "score": f"{self.config.detector}{self.config.features}.inliers",
@@ -115,6 +127,9 @@ class ReplayExposures:
             "notes": list(notes),
             "summary": summary(sources),
         }
+
+    def _read(self) -> Recording:
+        return read_recording(self.config.recording, bit_depth=self.config.bit_depth)
 
     def _sources(self, recording: Recording) -> list[str]:
         """Names of the exposures to replay from. Raises UserError when one is not in the recording."""

@@ -3,30 +3,24 @@
 from __future__ import annotations
 
 import hashlib
-import re
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tacos_files.camera_images import read_frame, usual_bit_depth
+from tacos_files.camera_images import PICTURE_SUFFIXES, read_frame, usual_bit_depth
 from tacos_framework import Fault, UserError
-from tacos_framework.files import read_csv, read_text
+from tacos_framework.files import read_text
+from tacos_worlds.recorded.consistency import faults_of_brightness, faults_of_stamps, overexposed, together
 from tacos_worlds.recorded.recording import ExposedFrames, Recording, green_on_diagonal
 from tacos_worlds.recorded.response import Response, estimated_response, linear_response, tabled_response
+from tacos_worlds.recorded.saturation import clipping_codes
+from tacos_worlds.recorded.times import TIMES, named_ms, read_times
 
 ResponseFrom = Literal["recorded", "linear", "estimated"]
 
-TIMES = "times.csv"
 RESPONSE = "response.txt"
-_NAME = re.compile(r"(?P<ms>\d+(?:[._]\d+)?)ms_(?P<index>\d+)\.(?:png|tif|tiff)$", re.IGNORECASE)
-_LARGEST_MISMATCH = 0.15
-"""Exposures whose light per time differs by more do not belong to one scene and one response [1]."""
-_OVEREXPOSED = 0.5
-"""Share of samples at the top code from which a frame shows nothing that can be replayed [1]."""
 
 
 @dataclass(frozen=True)
@@ -36,11 +30,18 @@ class _Entry:
     stamp_ns: int
 
 
-def read_recording(folder: str | Path, *, fewest: int = 2, response: ResponseFrom = "recorded") -> Recording:
-    """The frames of a folder, by exposure.
+def read_recording(
+    folder: str | Path,
+    *,
+    fewest: int = 2,
+    response: ResponseFrom = "recorded",
+    bit_depth: int | None = None,
+) -> Recording:
+    """The frames of a folder, by exposure. Samples at the top of 16 bits are shifted down.
 
     - `response`: ``linear`` where samples are in proportion to light, as those of raw files are;
       ``estimated`` from the exposures even where the folder states one.
+    - `bit_depth`: of a sample; None takes what the samples reach.
 
     Raises UserError with a fault for each thing that is wrong, and which exposures have none.
     """
@@ -53,7 +54,7 @@ def read_recording(folder: str | Path, *, fewest: int = 2, response: ResponseFro
     common: tuple[int, ...] | None = None
     for exposure_ms in sorted({entry.exposure_ms for entry in entries}):
         own = sorted((e for e in entries if e.exposure_ms == exposure_ms), key=lambda e: e.stamp_ns)
-        here = list(_faults_of_stamps(path, own))
+        here = list(faults_of_stamps(path / TIMES, [e.file for e in own], [e.stamp_ns for e in own]))
         images, seen = [], dict[str, str]()
         for entry in own:
             try:
@@ -103,15 +104,18 @@ def read_recording(folder: str | Path, *, fewest: int = 2, response: ResponseFro
             )
         if here:
             bad.add(exposure_ms)
-            faults += here
+            faults += together(here)
         if len(images) == len(own):
             stamp_s = np.array([(e.stamp_ns - start_ns) * 1e-9 for e in own])
             found[f"{exposure_ms:g}"] = ExposedFrames(exposure_ms, stamp_s, np.stack(images))
-    bits = usual_bit_depth(max((int(each.codes_dn.max()) for each in found.values()), default=0))
-    for each in found.values():
-        if over := _overexposed(path, each, bits):
-            faults.append(over)
-            bad.add(each.exposure_ms)
+    found, bits = _at_depth(path, found, bit_depth, faults)
+    if found:
+        *_, brightest = found.values()
+        clipping_dn = clipping_codes(brightest.codes_dn, (1 << bits) - 1)
+        for each in found.values():
+            if over := overexposed(path, each, clipping_dn):
+                faults.append(over)
+                bad.add(each.exposure_ms)
     fit = {name: each for name, each in found.items() if each.exposure_ms not in bad}
     found_response: Response | None
     if response == "linear":
@@ -119,7 +123,7 @@ def read_recording(folder: str | Path, *, fewest: int = 2, response: ResponseFro
     else:
         found_response, origin = _response(path, fit, bits, faults, told=response == "recorded")
     if found_response is not None:
-        for fault, exposure_ms in _brightness(path, fit, found_response, bits):
+        for fault, exposure_ms in faults_of_brightness(path, fit, found_response, bits):
             faults.append(fault)
             bad.add(exposure_ms)
     if entries and len(found) < fewest and not faults:
@@ -140,7 +144,11 @@ def _entries(path: Path, faults: list[Fault]) -> list[_Entry]:
     if not path.is_dir():
         faults.append(Fault(str(path), "there is no such folder", f"a folder of frames with {TIMES}"))
         return []
-    pictures = sorted(each.name for each in path.iterdir() if _NAME.search(each.name))
+    pictures = sorted(
+        each.name
+        for each in path.iterdir()
+        if each.suffix.lower() in PICTURE_SUFFIXES and named_ms(each.name) is not None
+    )
     table = path / TIMES
     if not table.is_file():
         faults.append(
@@ -153,88 +161,50 @@ def _entries(path: Path, faults: list[Fault]) -> list[_Entry]:
             )
         )
         return []
+    lines, unread = read_times(table)
+    faults += unread
     entries = []
-    (_, heading), *lines = read_csv(table) or [(1, [])]
-    if not {"file", "taken_ns"} <= set(heading):
-        faults.append(Fault(f"{table}:1", f"has the columns {', '.join(heading)}", "file and taken_ns"))
-        return []
-    for line, cells in lines:
-        row = dict(zip(heading, cells, strict=False))
-        name, stamp = row.get("file", ""), row.get("taken_ns", "")
-        exposure_ms = _exposure_ms(name, row.get("exposure_ms", ""))
-        if exposure_ms is None:
+    for line in lines:
+        if line.exposure_ms is None:
             faults.append(
                 Fault(
-                    f"{table}:{line}",
-                    f"names {name!r} without its exposure",
+                    line.where,
+                    f"names {line.file!r} without its exposure",
                     "NNms_K.png, or a column exposure_ms",
                     "Without exposures light is unknown: state them, as the camera's driver does.",
                 )
             )
-        elif not re.fullmatch(r"\d{1,19}", stamp):
-            faults.append(
-                Fault(f"{table}:{line}", f"has taken_ns {stamp!r}", "a whole number of nanoseconds")
-            )
-        elif not (path / name).is_file():
+        elif not (path / line.file).is_file():
             faults.append(
                 Fault(
-                    f"{table}:{line}",
-                    f"names {name}, which is not there",
+                    line.where,
+                    f"names {line.file}, which is not there",
                     "a frame in the folder",
                     "Add the frame, or take the line out.",
                 )
             )
-        elif exposure_ms <= 0:
-            faults.append(Fault(f"{table}:{line}", f"names {name}, of no exposure time", "more than 0 ms"))
         else:
-            entries.append(_Entry(name, exposure_ms, int(stamp)))
-    missing = sorted(set(pictures) - {entry.file for entry in entries})
-    if missing and entries:
+            entries.append(_Entry(line.file, line.exposure_ms, line.stamp_ns))
+    missing = sorted(set(pictures) - {line.file for line in lines})
+    if missing and lines:
         faults.append(Fault(str(table), f"has no line for {', '.join(missing)}", "a line for each frame"))
     return entries
 
 
-def _exposure_ms(name: str, stated: str) -> float | None:
-    """Exposure of a frame by the table, else by its name; None where neither tells [ms]."""
-    try:
-        return float(stated)
-    except ValueError:
-        named = _NAME.fullmatch(name)
-        return float(named["ms"].replace("_", ".")) if named else None
-
-
-def _faults_of_stamps(path: Path, own: list[_Entry]) -> Iterator[Fault]:
-    """Frames that were dropped or doubled, by the steps between stamps of one exposure."""
-    steps = np.diff([entry.stamp_ns for entry in own])
-    usual = float(np.median(steps[steps > 0])) if np.any(steps > 0) else 0.0
-    for first, second, step in zip(own, own[1:], steps, strict=False):
-        where = f"{path / TIMES}: {second.file}"
-        if step == 0 or step < 0.5 * usual:
-            yield Fault(
-                where,
-                f"was taken {step * 1e-6:.1f} ms after {first.file}",
-                f"about {usual * 1e-6:.1f} ms: the frame is doubled",
-                "Take one of the two out.",
-            )
-        elif step > 1.5 * usual:
-            yield Fault(
-                where,
-                f"was taken {step * 1e-6:.1f} ms after {first.file}",
-                f"about {usual * 1e-6:.1f} ms: frames were dropped between them ({round(step / usual) - 1})",
-                "Cut the recording there, and replay the longer part.",
-            )
-
-
-def _overexposed(path: Path, frames: ExposedFrames, bits: int) -> Fault | None:
-    shares = np.mean(frames.codes_dn >= 0.995 * ((1 << bits) - 1), axis=(1, 2))
-    if shares.min() < _OVEREXPOSED:
-        return None
-    return Fault(
-        f"{path}: {frames.name} ms",
-        f"is overexposed throughout: {shares.min():.0%} or more of each frame is at its top",
-        f"less than {_OVEREXPOSED:.0%}",
-        "Take its frames and their lines out.",
-    )
+def _at_depth(
+    path: Path, found: dict[str, ExposedFrames], stated: int | None, faults: list[Fault]
+) -> tuple[dict[str, ExposedFrames], int]:
+    """Frames whose samples count in steps of one, and their bits."""
+    used = 0
+    for each in found.values():
+        used |= int(np.bitwise_or.reduce(each.codes_dn, axis=None))
+    shift = (used & -used).bit_length() - 1 if used >= 256 else 0
+    bits = stated or usual_bit_depth(used >> shift)
+    if used >> shift >= 1 << bits:
+        faults.append(Fault(str(path), f"has samples beyond {bits} bits", "bit_depth as the camera has it"))
+    if not shift:
+        return found, bits
+    return {name: replace(each, codes_dn=each.codes_dn >> shift) for name, each in found.items()}, bits
 
 
 def _response(
@@ -250,7 +220,7 @@ def _response(
                 Fault(
                     str(file),
                     f"holds no response: {error}",
-                    "numbers of 0..255 that rise",
+                    "numbers that rise",
                     "Take it out to have the response estimated.",
                 )
             )
@@ -284,39 +254,3 @@ def _response(
     stacks = {each.exposure_ms: each.codes_dn for each in fit.values()}
     said = "The response was estimated from the exposures themselves."
     return estimated_response(stacks, white_dn), said
-
-
-def _brightness(
-    path: Path, fit: dict[str, ExposedFrames], response: Response, bits: int
-) -> Iterator[tuple[Fault, float]]:
-    """Exposures whose light is not in proportion to their time, beside the median of all."""
-    usable_dn = 0.02 * ((1 << bits) - 1), 0.9 * ((1 << bits) - 1)
-    quantiles = np.linspace(0.05, 0.95, 37)
-    rates: dict[str, NDArray[np.float64]] = {}
-    for name, each in fit.items():
-        light = np.quantile(response.light(each.codes_dn), quantiles)
-        rates[name] = (
-            np.where((light > usable_dn[0]) & (light < usable_dn[1]), light, np.nan) / each.exposure_ms
-        )
-    if len(rates) < 3:
-        return
-    stack = np.stack(list(rates.values()))
-    known = np.isfinite(stack).sum(0) >= 3
-    if not known.any():
-        return
-    usual = np.nanmedian(stack[:, known], axis=0)
-    for name, rate in rates.items():
-        ratios = rate[known] / usual
-        if not np.isfinite(ratios).any():
-            continue
-        ratio = float(np.nanmedian(ratios))
-        if abs(ratio - 1) > _LARGEST_MISMATCH:
-            yield (
-                Fault(
-                    f"{path}: {name} ms",
-                    f"is {ratio:.2f} times as bright for its time as the other exposures",
-                    f"1 within {_LARGEST_MISMATCH:.0%}: exposures that match the brightness",
-                    "Correct the exposure in the names of its files, or take them out.",
-                ),
-                fit[name].exposure_ms,
-            )

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_worlds.recorded.response import Response
+from tacos_worlds.recorded.saturation import clipping_codes, trusted_codes
 
-_TOP = 0.96
-"""Share of the largest code from which on samples count as clipped: a colour may fill its photosites below
-the largest code, and noise spreads it there."""
 _MOSAIC = 1.03
 """Ratio of brightnesses under different colour filters, at least."""
 
@@ -46,18 +45,41 @@ class Recording:
         """Largest code [DN]."""
         return (1 << self.bits) - 1
 
-    @property
-    def has_mosaic(self) -> bool:
-        """True if samples of different places in each 2 x 2 differ in brightness, as under colour filters."""
-        brightest = max(self.exposures, key=lambda name: self.exposures[name].exposure_ms)
-        codes = self.exposures[brightest].codes_dn
+    @cached_property
+    def mosaic(self) -> str:
+        """``RG`` or ``GR`` where samples of different places in each 2 x 2 differ in brightness, as under
+        colour filters, else ``none``; red and blue cannot be told apart."""
+        codes = self._brightest.codes_dn
         means = [float(codes[:, row::2, column::2].mean()) for row in (0, 1) for column in (0, 1)]
-        return max(means) > _MOSAIC * max(min(means), 1e-6)
+        if max(means) <= _MOSAIC * max(min(means), 1e-6):
+            return "none"
+        return "GR" if self.green_on_diagonal else "RG"
+
+    @property
+    def _brightest(self) -> ExposedFrames:
+        return max(self.exposures.values(), key=lambda each: each.exposure_ms)
+
+    @cached_property
+    def _top_codes(self) -> NDArray[np.int64]:
+        clipping_dn = clipping_codes(self._brightest.codes_dn, self.white_dn)
+        frames = {each.exposure_ms: each.codes_dn for each in self.exposures.values()}
+        return trusted_codes(frames, self.response, clipping_dn)
 
     @property
     def top_dn(self) -> float:
-        """Light from which on samples are clipped [DN]."""
-        return float(np.interp(_TOP * self.white_dn, self.response.code_dn, self.response.light_dn))
+        """Light from which on samples of a colour tell nothing, the least of all colours [DN]."""
+        return float(np.interp(self._top_codes.min(), self.response.code_dn, self.response.light_dn))
+
+    def clipped(self, name: str) -> float:
+        """Share of samples of an exposure that are clipped, or beyond what exposures agree on [1]."""
+        codes = self.exposures[name].codes_dn
+        return float(
+            np.mean([np.mean(codes[:, r::2, c::2] >= self._top_codes[r, c]) for r, c in np.ndindex(2, 2)])
+        )
+
+    def cut_off(self, name: str) -> float:
+        """Share of samples of an exposure at code 0, where darker light would be as well [1]."""
+        return float(np.mean(self.exposures[name].codes_dn == 0))
 
     def light(self, name: str) -> NDArray[np.float32]:
         """(N, H, W) light of an exposure's frames, linear, in 0..`white_dn` [DN]."""

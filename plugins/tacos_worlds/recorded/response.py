@@ -42,13 +42,13 @@ def linear_response(white_dn: int) -> Response:
 
 
 def tabled_response(values: NDArray[np.float64], white_dn: int) -> Response:
-    """A response from a table of light at evenly spaced codes, in 0..255.
+    """A response from a table of light at evenly spaced codes, in any unit.
 
     Raises ValueError when it has fewer than two values, or they do not rise.
     """
-    if len(values) < 2 or not np.all(np.isfinite(values)) or np.any(np.diff(values) <= 0):
+    if len(values) < 2 or not np.all(np.isfinite(values)) or np.any(np.diff(values) <= 0) or values[-1] <= 0:
         raise ValueError(f"{len(values)} values that do not rise throughout")
-    return Response(np.linspace(0, white_dn, len(values)), values * white_dn / 255)
+    return Response(np.linspace(0, white_dn, len(values)), values * white_dn / values[-1])
 
 
 def estimated_response(frames_dn: Mapping[float, NDArray[np.uint16]], white_dn: int) -> Response:

@@ -81,6 +81,9 @@ class RecordedScene:
             help="Colour filters by OpenCV's names; auto sees whether there are any and where green is, and "
             "takes RG or GR.",
         )
+        bit_depth: int | None = setting(
+            None, help="Bits per sample; by default what the samples reach.", unit="bit", ge=8, le=16
+        )
         calibration: CalibratedLens | None = setting(
             None,
             help="Calibration of its camera; by default camera.yaml in the folder, where there is one.",
@@ -201,11 +204,10 @@ def _opened(config: RecordedScene.Config) -> tuple[Source, Camera]:
     """Light and camera of a recording, read once for all candidates."""
     from tacos_worlds.recorded.reader import read_recording
 
-    recording = read_recording(config.recording, fewest=1, response=config.response)
-    mosaic: str = config.mosaic
-    if mosaic == "auto":
-        coloured = "GR" if recording.green_on_diagonal else "RG"
-        mosaic = coloured if recording.has_mosaic else "none"
+    recording = read_recording(
+        config.recording, fewest=1, response=config.response, bit_depth=config.bit_depth
+    )
+    mosaic = recording.mosaic if config.mosaic == "auto" else config.mosaic
     cell = 1 if mosaic == "none" else 2
     height, width = next(iter(recording.exposures.values())).codes_dn.shape[1:]
     lens, focal_px, centre_px = _optics(config, width, height)

@@ -84,8 +84,8 @@ class Source:
 
     @lru_cache(maxsize=16)  # noqa: B019
     def clipped(self, name: str) -> float:
-        """Share of samples of an exposure at the top of its range, or so near that noise reaches it [1]."""
-        return float(np.mean(self._lights[name] >= self.top_dn))
+        """Share of samples of an exposure that are clipped [1]."""
+        return self.recording.clipped(name)
 
     @property
     def top_dn(self) -> float:

@@ -14,6 +14,7 @@ from tacos_plugins.rigs.calibration_files import CalibratedLens
 from tacos_worlds.recorded.imports.found import FoundFrame, FoundRecording
 from tacos_worlds.recorded.imports.writing import write_recording
 from tacos_worlds.recorded.reader import read_recording
+from tacos_worlds.recorded.times import named_ms
 
 STEP_NS = 50_000_000
 
@@ -155,3 +156,24 @@ def test_a_bag_without_rosbags_says_what_to_install(
     (tmp_path / "walk.bag").write_bytes(b"#ROSBAG V2.0\n")
     assert main(["recordings", "import", str(tmp_path / "walk.bag"), "--out", str(tmp_path / "out")]) == 2
     assert "pip install 'tacos-framework[rosbag]'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("name", "ms"), [("500us_0.pgm", 0.5), ("left_2.5ms_07.tiff", 2.5), ("0_5ms_1.png", 0.5), ("7.png", None)]
+)
+def test_names_state_exposures_in_any_unit(name: str, ms: float | None) -> None:
+    assert named_ms(name) == ms
+
+
+def test_a_bracket_keeps_the_exposures_of_its_names_and_its_response(tmp_path: Path) -> None:
+    source = tmp_path / "source"
+    names = [f"{ms}ms_{k}.pgm" for k in range(2) for ms in (2, 4)]
+    frames(source, names)
+    rows = [f"{name},{1695668703.25 + 0.1 * i:.6f}" for i, name in enumerate(names)]
+    (source / "times.csv").write_text("\n".join(["File,Time_s", *rows]))
+    (source / "response.txt").write_text(" ".join(str(i / 255) for i in range(256)))
+    assert main(["recordings", "import", str(source), "--out", str(tmp_path / "out")]) == 0
+    found = read_recording(tmp_path / "out", fewest=1)
+    assert set(found.exposures) == {"2", "4"}
+    np.testing.assert_allclose(np.diff(found.exposures["2"].stamp_s), 0.2, atol=1e-6)
+    assert found.response.light_dn[-1] == found.white_dn

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from datetime import datetime
 from functools import partial
 from pathlib import Path
@@ -11,16 +11,9 @@ from tacos_files.camera_images import read_image
 from tacos_framework import Fault, UserError, read_yaml
 from tacos_framework.files import read_csv, read_lines, read_text
 from tacos_worlds.recorded.imports.found import FoundFrame, FoundRecording
+from tacos_worlds.recorded.reader import RESPONSE
+from tacos_worlds.recorded.times import TIMES, read_times
 
-_FILE = ("file", "filename", "name", "image")
-_STAMP_NS: Mapping[str, float] = {
-    "taken_ns": 1,
-    "timestamp_ns": 1,
-    "stamp_ns": 1,
-    "time_s": 1e9,
-    "timestamp_s": 1e9,
-}
-_EXPOSURE_MS: Mapping[str, float] = {"exposure_ms": 1, "exposure_us": 1e-3, "exposure_s": 1e3}
 _LAYOUTS = "times.csv, data.csv of EuRoC, rgb.txt of TUM, or times.txt or timestamps.txt of KITTI"
 
 
@@ -42,8 +35,9 @@ def in_folder(folder: Path) -> FoundRecording:
     here = cameras[0] if cameras else folder
     if (here / "data.csv").is_file():
         return FoundRecording("EuRoC", tuple(_euroc(here)), _euroc_camera(here))
-    if (here / "times.csv").is_file():
-        return FoundRecording("a table of times", tuple(_table(here)))
+    if (here / TIMES).is_file():
+        response = read_text(here / RESPONSE) if (here / RESPONSE).is_file() else ""
+        return FoundRecording("a table of times", tuple(_table(here)), response=response)
     if (here / "rgb.txt").is_file():
         return FoundRecording("TUM", tuple(_tum(here)))
     for table in (here / "timestamps.txt", here / "times.txt", here.parent / "times.txt"):
@@ -96,26 +90,11 @@ def _euroc_camera(camera: Path) -> str:
 
 
 def _table(folder: Path) -> Iterator[FoundFrame]:
-    table = folder / "times.csv"
-    (_, heads), *lines = read_csv(table) or [(1, [])]
-    file = next((name for name in _FILE if name in heads), None)
-    stamp = next((name for name in _STAMP_NS if name in heads), None)
-    exposure = next((name for name in _EXPOSURE_MS if name in heads), None)
-    if file is None or stamp is None:
-        expected = f"a column for the file ({', '.join(_FILE)}) and one for the time ({', '.join(_STAMP_NS)})"
-        raise UserError(Fault(f"{table}:1", f"has the columns {', '.join(heads)}", expected))
-    for number, cells in lines:
-        row, where = dict(zip(heads, cells, strict=False)), f"{table}:{number}"
-        try:
-            stated = exposure and row.get(exposure)
-            exposure_ms = float(stated) * _EXPOSURE_MS[exposure] if exposure and stated else None
-            scale = _STAMP_NS[stamp]
-            stamp_ns = int(row[stamp]) if scale == 1 else round(float(row[stamp]) * scale)
-        except (KeyError, ValueError) as error:
-            raise UserError(
-                Fault(where, f"holds {','.join(cells)!r}", "a file, a time, an exposure")
-            ) from error
-        yield _frame(folder, row.get(file, ""), stamp_ns, exposure_ms, where)
+    lines, faults = read_times(folder / TIMES)
+    if faults:
+        raise UserError(faults)
+    for line in lines:
+        yield _frame(folder, line.file, line.stamp_ns, line.exposure_ms, line.where)
 
 
 def _tum(folder: Path) -> Iterator[FoundFrame]:

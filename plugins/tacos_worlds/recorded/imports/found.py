@@ -26,3 +26,4 @@ class FoundRecording:
     layout: str
     frames: tuple[FoundFrame, ...]
     camera: str = ""  # text for ``camera.yaml``; empty where nothing is known of the lens
+    response: str = ""  # text for ``response.txt``; empty where it is unknown

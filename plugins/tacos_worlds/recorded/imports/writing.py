@@ -10,13 +10,14 @@ import numpy as np
 from tacos_framework import UserError
 from tacos_framework.files import made_folder
 from tacos_worlds.recorded.imports.found import FoundRecording
-from tacos_worlds.recorded.reader import TIMES, read_recording
+from tacos_worlds.recorded.reader import RESPONSE, read_recording
+from tacos_worlds.recorded.times import TIMES
 
 _GREEN = 1
 
 
 def write_recording(found: FoundRecording, out: Path, exposure_ms: float | None) -> list[str]:
-    """Frames, ``times.csv`` and ``camera.yaml``; what to know about them, in sentences.
+    """Frames, ``times.csv``, ``camera.yaml`` and ``response.txt``; what to know about them, in sentences.
 
     `exposure_ms`: exposure of frames that do not state their own [ms]. Raises UserError when the folder
     exists and is not empty, or a frame cannot be read.
@@ -40,6 +41,8 @@ def write_recording(found: FoundRecording, out: Path, exposure_ms: float | None)
     (out / TIMES).write_text("\n".join(["file,taken_ns,exposure_ms", *rows]) + "\n", encoding="utf-8")
     if found.camera:
         (out / "camera.yaml").write_text(found.camera, encoding="utf-8")
+    if found.response:
+        (out / RESPONSE).write_text(found.response, encoding="utf-8")
     said = [f"{len(found.frames)} frames ({found.layout}) in {out}."]
     if coloured:
         said.append(f"{coloured} frames have colours: their green is taken, whose noise neighbours share.")
@@ -49,7 +52,7 @@ def write_recording(found: FoundRecording, out: Path, exposure_ms: float | None)
         )
         return said
     try:
-        read_recording(out, fewest=1, response="linear")
+        read_recording(out, fewest=1, response="recorded" if found.response else "linear")
     except UserError as error:
         said += [
             f"{fault.where}: {fault.what} (expected {fault.expected}). {fault.remedy}"
