@@ -204,7 +204,9 @@ def _at_depth(
         faults.append(Fault(str(path), f"has samples beyond {bits} bits", "bit_depth as the camera has it"))
     if not shift:
         return found, bits
-    return {name: replace(each, codes_dn=each.codes_dn >> shift) for name, each in found.items()}, bits
+    return {
+        name: replace(each, codes_dn=each.codes_dn >> np.uint16(shift)) for name, each in found.items()
+    }, bits
 
 
 def _response(
