@@ -46,7 +46,7 @@ def ktx2_picture(content: bytes, where: str, name: str) -> Image.Image:
     if ktx2_bytes(content) > limits().bytes_of("image_mb"):
         raise UserError(too_large(where, f"the texture {name}", ktx2_bytes(content), "image_mb"))
     try:
-        return Image.fromarray(basisu.open(content).transcode(basisu.Target.RGBA8).data)
+        return Image.fromarray(basisu.Texture(content).transcode(basisu.Target.RGBA8).data)
     except ValueError as error:
         what = f"{name} is a texture of KTX2 that cannot be unpacked: {error}"
         raise UserError(Fault(where, what, "Basis Universal", "Export textures as PNG or JPEG.")) from error
