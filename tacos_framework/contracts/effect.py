@@ -135,6 +135,9 @@ class EffectBase:
     by_capture: ClassVar[Sequence[str]] = ()
     """Settings a camera sets anew for each picture, as its focus. Where several captures show the effect, a
     diagnosis may fit a value for each; it asks ``guesses_from`` of each capture by itself."""
+    series: ClassVar[Sequence[Sequence[str]]] = ()
+    """Coefficients of rising powers, lowest first. A diagnosis drops the highest that it does not need first:
+    without a lower one the others would take its part."""
     look_alikes: ClassVar[Sequence[LookAlike]] = ()
     """Effects that some captures cannot tell from this one. It holds both ways."""
     shown_by: ClassVar[Sequence[ShownBy]] = ()

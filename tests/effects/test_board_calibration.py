@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tacos_framework.values import Lens
 from tacos_plugins.effects.board_calibration import calibrated
 from tacos_plugins.effects.focal_length_error import FocalLengthError
 from tacos_plugins.effects.lens_distortion import LensDistortion
-from tests.gap.evidence.boards.test_board_diagnosis import FOCAL_PX, views
+from tests.gap.evidence.boards.test_board_diagnosis import FOCAL_PX, VIEWS, views
 
 FREE = ("focal_length", "principal_point")
 
@@ -44,6 +45,18 @@ def test_a_fisheye_over_a_focal_length_that_is_a_little_off():
         for f, k in ((280.0, (0.02, 0, 0)), (282.8, over.radial))
     )
     np.testing.assert_allclose(found, true, rtol=0.02)
+
+
+def test_a_known_fisheye_is_calibrated_beyond_what_it_is_known_for():
+    """As it is where a fisheye of another projection is believed, whose own curve counts."""
+    near = [(tilt, 0.3 * distance) for tilt, distance in VIEWS]
+    captures = views(noise_px=0.0, poses=near, focal_px=280.0, true_focal_px=280.0, fisheye=(0.02, 0, 0, 0))
+    for known, beyond in ((Lens("equidistant"), 0.02), (Lens("equisolid"), 0.02 + 1 / 24)):
+        believed = [replace(c, geometry=replace(c.geometry, lens=known)) for c in captures]
+        assert calibrated(believed, terms=1, fisheye=True).radial == pytest.approx(
+            (beyond, 0, 0, 0), abs=2e-3
+        )
+        assert calibrated(believed) is None
 
 
 def test_crops_share_a_lens():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -11,7 +13,16 @@ from pydantic import ValidationError
 from tacos_framework.camera.geometry import pixel_rays
 from tacos_framework.testing.forming import placed, with_effect
 from tacos_framework.testing.samples import sample_capture, sample_world
-from tacos_framework.values import Camera, Capture, ContextMissing, Episode, ImageContext, Trajectory, View
+from tacos_framework.values import (
+    Camera,
+    Capture,
+    ContextMissing,
+    Episode,
+    ImageContext,
+    Lens,
+    Trajectory,
+    View,
+)
 from tacos_plugins.effects.focal_length_error import FocalLengthError
 from tacos_plugins.effects.lateral_chromatic_aberration import LateralChromaticAberration
 from tacos_plugins.effects.lens_distortion import LensDistortion
@@ -56,9 +67,25 @@ def test_a_fisheye_images_the_scene_where_opencv_does():
     assert np.abs((found[0, :, :, 0] - expected).ravel()[inside]).max() < 0.02
 
 
+@pytest.mark.parametrize("known", [(0.0, 0.0, 0.0, 0.0), (-0.003, 0.054, -0.052, 0.011)])
+def test_powers_come_on_top_of_those_of_a_known_fisheye(known):
+    geometry = replace(GEOMETRY, focal_length_px=60.0, lens=Lens("kannala-brandt", known))
+    matrix = np.array([[60.0, 0, CX], [0, 60.0, CY], [0, 0, 1]])
+    more = {"k1": 0.02, "k2": -0.01, "k3": 0.002, "k4": -0.001}
+    pixels = np.stack([X[::9, ::9].ravel(), Y[::9, ::9].ravel()], axis=1)[:, None]
+    real = np.add(known, [*more.values()])
+    flat = cv2.fisheye.undistortPoints(pixels, matrix, real)
+    expected = cv2.fisheye.distortPoints(flat, matrix, np.array(known))[:, 0]
+    effect = LensDistortion(LensDistortion.Config(model="fisheye", **more))
+    found = effect.source_at(*pixels[:, 0].T, geometry=geometry)
+    np.testing.assert_allclose(np.column_stack(found), expected, atol=2e-3)
+
+
 def test_a_fisheye_has_no_tangential_coefficients():
     with pytest.raises(ValidationError, match="no tangential coefficients"):
         LensDistortion.Config(model="fisheye", p1=0.01)
+    with pytest.raises(ValidationError, match="no coefficient k4"):
+        LensDistortion.Config(k4=0.01)
 
 
 def test_in_a_crop_the_lens_is_that_of_the_whole_image():

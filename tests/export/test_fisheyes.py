@@ -11,9 +11,12 @@ import numpy as np
 import pytest
 
 from tacos_export.camera import describe_cameras, write_camera_files
+from tacos_export.camera.description import lens_of
 from tacos_export.dataset.export import export_dataset
 from tacos_framework.camera import pixel_rays, pixels_of_rays, project
 from tacos_framework.errors import UserError
+from tacos_framework.testing.forming import placed
+from tacos_plugins.effects.lens_distortion import LensDistortion
 from tacos_plugins.rigs.monocular import MonocularRig
 from tacos_view import RenderSetup, set_up
 from tests.two_boxes import plugins_with_boxes, stereo_recipe
@@ -77,6 +80,17 @@ def test_our_own_files_are_calibrations_of_the_same_lens(file: str, tmp_path: Pa
     np.testing.assert_allclose(
         pixels_of_rays(rays, back), pixels_of_rays(rays, setup.rig.cameras[0]), atol=1e-9
     )
+
+
+def test_an_effect_on_a_fisheye_is_in_its_coefficients() -> None:
+    camera = fisheyes("T265").rig.cameras[0]
+    model, coefficients, said = lens_of([placed(LensDistortion, model="fisheye", k1=0.02, k4=0.001)], camera)
+    assert model == "fisheye"
+    assert coefficients == pytest.approx((0.017, 0.054, -0.052, 0.012))
+    assert not any("moves pixels" in each for each in said)
+    _, coefficients, said = lens_of([placed(LensDistortion, k1=0.02)], camera)
+    assert coefficients == camera.lens.coefficients
+    assert any("moves pixels" in each for each in said)
 
 
 def test_opencv_undistorts_a_rendered_fisheye_into_the_picture_of_a_pinhole() -> None:

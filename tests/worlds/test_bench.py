@@ -46,6 +46,14 @@ def test_there_is_nothing_but_the_target():
     assert light[:, :5].max() == 0.0
 
 
+def test_a_board_off_the_axis_turns_about_its_own_middle():
+    aside = {"right_m": 0.3, "up_m": -0.1, "tilt_deg": 20, "turn_deg": -60}
+    board = Chessboard(Chessboard.Config(distance_m=0.2, **aside)).episode(illumination_lux=100.0)
+    paper = board.world.parts[0].vertices_m
+    np.testing.assert_allclose(paper.mean(axis=0), [0.2, -0.3, -0.1], atol=1e-6)
+    assert paper[paper[:, 1] < -0.3, 0].max() < 0.2, "its right side has come nearer"
+
+
 def test_other_settings_are_other_worlds():
     keys = {
         GreyBars(GreyBars.Config(**config)).episode(illumination_lux=lux).world.key

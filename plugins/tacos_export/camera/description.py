@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tacos_export.camera.lens import LensModel, described_lens
 from tacos_export.camera.noise import NoiseDescription, describe_noise
 from tacos_export.conventions import at_full_resolution
-from tacos_framework import Camera, Rig, moves_pixels
+from tacos_framework import Camera, Lens, Rig, moves_pixels
 from tacos_framework.formation import PlacedEffect
 from tacos_plugins.effects.lens_distortion import LensDistortion
 from tacos_view.cameras import built_rig
@@ -61,24 +61,30 @@ def whole_rig(setup: RenderSetup) -> Rig:
 def lens_of(
     effects: Sequence[PlacedEffect], camera: Camera
 ) -> tuple[LensModel, tuple[float, ...], tuple[str, ...]]:
-    """Model and coefficients of a camera's lens, or of the effect that distorts a pinhole's images."""
+    """Model and coefficients of a camera's lens, with the effect that distorts its images."""
     lens = described_lens(camera)
     model, coefficients, limitations = lens.model, lens.coefficients, [*lens.limitations]
-    distorted = not camera.lens.is_pinhole
+    distorted = False
     for effect in effects:
         config = effect.config_at(camera.name)
         if config is None or not moves_pixels(effect.cls):
             continue
-        if isinstance(config, LensDistortion.Config) and not distorted:
+        if isinstance(config, LensDistortion.Config) and not distorted and _is_told(config, camera.lens):
             distorted = True
-            model = config.model
-            c = config
-            coefficients = (c.k1, c.k2, c.k3, 0.0) if model == "fisheye" else (c.k1, c.k2, c.p1, c.p2, c.k3)
+            c, own = config, coefficients if not camera.lens.is_rectilinear else (0.0,) * 4
+            model = c.model
+            powers = tuple(a + b for a, b in zip(own, (c.k1, c.k2, c.k3, c.k4), strict=True))
+            coefficients = powers if model == "fisheye" else (c.k1, c.k2, c.p1, c.p2, c.k3)
         else:
             limitations.append(
                 f"{effect.name} moves pixels too, which the lens model of these files cannot say"
             )
     return model, coefficients, tuple(limitations)
+
+
+def _is_told(distortion: LensDistortion.Config, lens: Lens) -> bool:
+    """True if one model of a lens tells of a distortion on top of a lens."""
+    return lens.is_pinhole or (distortion.model == "fisheye" and not lens.is_rectilinear)
 
 
 def second_from_first(first: Camera, second: Camera) -> NDArray[np.float64]:

@@ -149,14 +149,22 @@ def _step(cls: type[Any], name: str, value: float, scale: float, is_suggested: b
     """A change that matters of a parameter that begins at a value.
 
     A guess of a class is itself the least that matters, but for points of a curve, which have a short way to
-    go. What captures suggest may be many times that.
+    go. What captures suggest may be many times that. One coefficient of a series may be next to nothing where
+    it is uncertain by more.
     """
     distance = abs(value - (neutral_value(cls, name) or 0.0))
     if not distance:
         return scale
     if name.startswith("knots."):
         return min(distance, KNOT_STEP)
+    if series_of(cls, name):
+        return max(scale, SUGGESTED_STEP * distance)
     return min(distance, max(scale, SUGGESTED_STEP * distance)) if is_suggested else distance
+
+
+def series_of(cls: type[Any], name: str) -> tuple[str, ...]:
+    """The coefficients of rising powers that a parameter is one of; none where it is no such."""
+    return next((tuple(each) for each in optional(cls, EffectBase, "series") if name in each), ())
 
 
 def _scales(guesses: Sequence[Mapping[str, Any]], cls: type[Any]) -> dict[str, float]:

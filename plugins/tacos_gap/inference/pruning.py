@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from tacos_gap.hypotheses.by_capture import is_of_one_capture
-from tacos_gap.hypotheses.parameters import neutral_value
+from tacos_gap.hypotheses.parameters import HypothesisTerm, neutral_value, series_of
 from tacos_gap.inference.fit import Fitted, finished, fit, settled
 from tacos_gap.inference.intervals import of_every_parameter
 from tacos_gap.inference.problem import Hypothesis, Problem, robust
@@ -61,6 +61,12 @@ def _is_of_a_whole(name: str) -> bool:
     return "." in name or is_of_one_capture(name)
 
 
+def _carries_more(term: HypothesisTerm, name: str) -> bool:
+    """True if a higher coefficient of its series is free."""
+    series = series_of(term.cls, name)
+    return not term.free.keys().isdisjoint(series[series.index(name) + 1 :] if series else ())
+
+
 def _with_one_less(fitted: Fitted) -> list[Hypothesis]:
     """The hypothesis with one parameter at neutral for good, the least missed first (to first order)."""
     found: list[tuple[float, Hypothesis]] = []
@@ -71,7 +77,7 @@ def _with_one_less(fitted: Fitted) -> list[Hypothesis]:
             k, column = column, column + 1
             neutral = neutral_value(term.cls, name)
             movable = [n for n in term.free if neutral_value(term.cls, n) is not None]
-            if neutral is None or len(movable) < 2 or _is_of_a_whole(name):
+            if neutral is None or len(movable) < 2 or _is_of_a_whole(name) or _carries_more(term, name):
                 continue
             others = np.delete(fitted.jacobian, k, axis=1)
             moved = straight + fitted.jacobian[:, k] * (neutral - term.values[name]) / fitted.steps[k]

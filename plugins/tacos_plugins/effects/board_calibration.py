@@ -13,7 +13,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import Captures, ObservedCapture
+from tacos_framework import Captures, Lens, ObservedCapture
+from tacos_framework.camera import rays_of_pixels
+from tacos_plugins.effects.powers_of_angle import powers_beyond
 
 WIDEST_FOCAL = 0.15
 LONGEST_FOCAL = 30.0
@@ -21,6 +23,12 @@ LONGEST_FOCAL = 30.0
 
 _FOCAL_STARTS = (1.0, 0.5, 2.5)
 """Focal lengths over the believed one from which an unknown one is looked for."""
+
+_LEAST_AHEAD, _FEWEST = 0.15, 8
+"""Cosine of the angle off the axis that corners of a known fisheye need for OpenCV's, and their number."""
+
+_ASIDE_RAD = 1.5
+"""Angle at which the outermost corner of a fisheye's boards is seen at another start [rad]."""
 
 
 @dataclass(frozen=True)
@@ -31,8 +39,8 @@ class Calibration:
     """Focal length [px]."""
     moved_px: tuple[float, float]
     """Its principal point, from the believed one to the right and downwards [px]."""
-    radial: tuple[float, float, float]
-    """k1, k2, k3 of Brown and Conrady, or of the fisheye model [1]."""
+    radial: tuple[float, float, float, float]
+    """k1, k2, k3 of Brown and Conrady, or k1 to k4 of the fisheye model, those beyond a known fisheye [1]."""
     rms_px: float
     """Root mean square distance of the corners from it [px]."""
 
@@ -43,16 +51,18 @@ def calibrated(
     """The lens that explains views of boards best; None without views, or where none was found.
 
     - `captures`: those with `corners` are used.
-    - `terms`: radial coefficients, 0 to 3; the others are 0.
+    - `terms`: radial coefficients, 0 to 3, of a fisheye to 4; the others are 0.
     - `free`: focal_length and principal_point where they are not those of the captures' geometry.
-    - `fisheye`: OpenCV's fisheye model in place of Brown and Conrady's.
+    - `fisheye`: OpenCV's fisheye model in place of Brown and Conrady's, which has no start at a known lens.
     """
     boards = _Boards.of(captures)
-    if boards is None or not all(capture.geometry.lens.is_pinhole for capture in captures):
-        return None  # a lens that is known is no start for OpenCV's, which begin at a pinhole
-    starts = _FOCAL_STARTS if "focal_length" in free else (1.0,)
+    if boards is None or not (boards.lens.is_pinhole or (fisheye and not boards.lens.is_rectilinear)):
+        return None
+    starts = [boards.focal_px * start for start in (_FOCAL_STARTS if "focal_length" in free else (1.0,))]
+    if fisheye and "focal_length" in free:
+        starts.append(boards.middle_px / _ASIDE_RAD)
     solve = _fisheye if fisheye else _brown
-    found = [each for start in starts if (each := solve(boards, boards.focal_px * start, terms, free))]
+    found = [each for start in starts if (each := solve(boards, start, terms, free))]
     return min(found, key=lambda each: each.rms_px, default=None)
 
 
@@ -64,6 +74,8 @@ class _Boards:
     corners_px: Sequence[NDArray[np.float32]]
     focal_px: float
     middle_px: float
+    lens: Lens
+    """The believed one."""
 
     @classmethod
     def of(cls, captures: Captures) -> _Boards | None:
@@ -77,6 +89,7 @@ class _Boards:
             [(places + middle).astype(np.float32)[:, None] for _, places, _ in seen],
             seen[0][2].geometry.focal_length_px,
             middle,
+            seen[0][2].geometry.lens,
         )
 
     @property
@@ -95,7 +108,17 @@ def _seen(captures: Captures) -> Iterator[tuple[NDArray[np.float64], NDArray[np.
     for capture in captures:
         if capture.corners is not None:
             points_mm, corners_px = capture.corners
-            yield points_mm, corners_px - np.array(capture.geometry.centre_px), capture
+            ahead = _are_ahead(corners_px, capture)
+            if ahead.sum() >= _FEWEST:
+                places = corners_px[ahead] - np.array(capture.geometry.centre_px)
+                yield points_mm[ahead], places, capture
+
+
+def _are_ahead(corners_px: NDArray[np.float64], capture: ObservedCapture) -> NDArray[np.bool_]:
+    """(K,) which corners OpenCV's fisheye can take: those well before the camera, by its believed lens."""
+    if capture.geometry.lens.is_rectilinear:
+        return np.ones(len(corners_px), bool)
+    return np.nan_to_num(rays_of_pixels(corners_px, capture.geometry)[:, 2]) > _LEAST_AHEAD
 
 
 def _brown(boards: _Boards, focal_px: float, terms: int, free: Collection[str]) -> Calibration | None:
@@ -120,8 +143,9 @@ def _brown(boards: _Boards, focal_px: float, terms: int, free: Collection[str]) 
 
 def _fisheye(boards: _Boards, focal_px: float, terms: int, free: Collection[str]) -> Calibration | None:
     """OpenCV's own fit, which converges with a free focal length alone; a known one is put in afterwards."""
-    names = ["USE_INTRINSIC_GUESS", "RECOMPUTE_EXTRINSIC", "FIX_SKEW", "FIX_K4"]
-    names += [f"FIX_K{k}" for k in range(terms + 1, 4)]
+    fitted = 4 if not boards.lens.is_pinhole else terms
+    names = ["USE_INTRINSIC_GUESS", "RECOMPUTE_EXTRINSIC", "FIX_SKEW"]
+    names += [f"FIX_K{k}" for k in range(fitted + 1, 5)]
     names += [] if "principal_point" in free else ["FIX_PRINCIPAL_POINT"]
     flags = 0
     for name in names:  # OpenCV 5 moved them
@@ -148,24 +172,22 @@ def _fisheye(boards: _Boards, focal_px: float, terms: int, free: Collection[str]
 def _over_focal_length(
     focal_px: float, fitted_px: float, lens: NDArray[Any], boards: _Boards, terms: int
 ) -> NDArray[np.float64]:
-    """(4,) coefficients over another focal length that image angles at the same radii, by least squares."""
+    """(4,) coefficients beyond the believed lens, over another focal length, for the same image."""
+    found = Lens("kannala-brandt", tuple(lens))
     widest = max(
         float(np.linalg.norm(corners - boards.middle_px, axis=-1).max()) for corners in boards.corners_px
     )
-    angle = np.linspace(0.0, min(widest / fitted_px, 1.5), 64)[1:]
-    square = angle**2
-    radius = fitted_px * angle * np.polynomial.polynomial.polyval(square, [1.0, *lens])
-    powers = focal_px * angle[:, None] * square[:, None] ** np.arange(1, terms + 1)
-    found = np.linalg.lstsq(powers, radius - focal_px * angle, rcond=None)[0]
-    return np.append(found, np.zeros(4 - terms))
+    widest_rad = float(np.nan_to_num(found.angle(widest / fitted_px), nan=1.5))
+    angle = np.linspace(0.0, widest_rad, 64)[1:]
+    return np.array(powers_beyond(fitted_px / focal_px * found.radius(angle), angle, boards.lens, terms))
 
 
 def _calibration(boards: _Boards, matrix: NDArray[Any], lens: NDArray[Any], rms_px: float) -> Calibration:
     k = lens.ravel()
-    radial = (k[0], k[1], k[4]) if len(k) >= 5 else (k[0], k[1], k[2])  # tangential ones stand between
+    radial = (k[0], k[1], k[4], 0.0) if len(k) >= 5 else k  # tangential ones stand between
     return Calibration(
         float(matrix[0, 0]),
         (float(matrix[0, 2]) - boards.middle_px, float(matrix[1, 2]) - boards.middle_px),
-        (float(radial[0]), float(radial[1]), float(radial[2])),
+        (float(radial[0]), float(radial[1]), float(radial[2]), float(radial[3])),
         float(rms_px),
     )

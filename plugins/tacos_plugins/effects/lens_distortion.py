@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Any, ClassVar, Literal
@@ -17,7 +16,6 @@ from tacos_framework import (
     Estimate,
     ImageContext,
     ImageGeometry,
-    Lens,
     LookAlike,
     ObservedCapture,
     Settings,
@@ -27,12 +25,14 @@ from tacos_framework import (
 )
 from tacos_framework.camera import Places
 from tacos_plugins.effects import observations
-from tacos_plugins.effects.board_calibration import calibrated
+from tacos_plugins.effects.board_calibration import Calibration, calibrated
+from tacos_plugins.effects.powers_of_angle import radius_without
 from tacos_plugins.effects.shown_by import BOARDS
 
-_WIDEST_RAD = math.radians(89)
-"""A flat image ends before 90 degrees off the axis."""
+Powers = tuple[float, float, float, float]
+"""k1 to k4 of a fisheye."""
 
+_RADIAL = ("k1", "k2", "k3", "k4")
 
 _MIXED = 5.0
 """Standard error of a coefficient over that it has alone: the others, and poses, move much as it does."""
@@ -44,6 +44,9 @@ _CLEARLY = 0.9
 class LensDistortion:
     """Distorts the image as OpenCV's `projectPoints` does, over the focal length and principal point.
 
+    On a camera that is a fisheye, the coefficients of the model ``fisheye`` are added to its own curve; those
+    of ``brown`` act on its image.
+
     Of a barrel the edges show more than was rendered; there the edge of the image is drawn out. Depth and ids
     are moved along. Tasks that take the camera for a pinhole feel the distortion, as an uncalibrated camera
     makes them.
@@ -54,18 +57,23 @@ class LensDistortion:
 
     class Config(Settings):
         model: Literal["brown", "fisheye"] = setting(
-            "brown", help="OpenCV's model: powers of the tangent, or of the angle (without k4, p1 and p2)."
+            "brown", help="OpenCV's model: powers of the tangent, or of the angle."
         )
         k1: float = setting(0.0, help="Radial coefficient of third order.", ge=-100, le=100)
         k2: float = setting(0.0, help="Radial coefficient of fifth order.", ge=-1e4, le=1e4)
         k3: float = setting(0.0, help="Radial coefficient of seventh order.", ge=-1e6, le=1e6)
+        k4: float = setting(
+            0.0, help="Radial coefficient of ninth order, of the fisheye model.", ge=-1e6, le=1e6
+        )
         p1: float = setting(0.0, help="First tangential coefficient.", ge=-1, le=1)
         p2: float = setting(0.0, help="Second tangential coefficient.", ge=-1, le=1)
 
         @model_validator(mode="after")
-        def _fisheye_has_no_tangential_terms(self) -> LensDistortion.Config:
+        def _each_model_has_its_terms(self) -> LensDistortion.Config:
             if self.model == "fisheye" and (self.p1 or self.p2):
                 raise ValueError("the fisheye model has no tangential coefficients p1, p2: leave them 0")
+            if self.model == "brown" and self.k4:
+                raise ValueError("the brown model has no coefficient k4 here: leave it 0")
             return self
 
     stage: ClassVar[Stage] = "optics"
@@ -75,6 +83,7 @@ class LensDistortion:
         "k1": 0.0,
         "k2": 0.0,
         "k3": 0.0,
+        "k4": 0.0,
         "p1": 0.0,
         "p2": 0.0,
     }
@@ -85,6 +94,7 @@ class LensDistortion:
         {"p1": 0.002},
         {"p2": 0.002},
     )
+    series: ClassVar[Sequence[Sequence[str]]] = (_RADIAL,)
     look_alikes: ClassVar[Sequence[LookAlike]] = (
         LookAlike(
             "pose-error",
@@ -130,29 +140,37 @@ class LensDistortion:
             found = calibrated(captures, terms=terms)
             if found and all(_images_all(BrownConrady(*found.radial), capture) for capture in captures):
                 yield dict(zip(("k1", "k2", "k3")[:terms], found.radial, strict=False))
-        if found := calibrated(captures, terms=3, fisheye=True):
-            yield {"model": "fisheye", **dict(zip(("k1", "k2", "k3"), found.radial, strict=True))}
+        three, four = (calibrated(captures, terms=terms, fisheye=True) for terms in (3, 4))
+        of_pinhole = all(each.geometry.lens.is_pinhole for each in captures)
+        if three and of_pinhole:
+            yield _fisheye(three, 3)
+        if four and not (three and of_pinhole and four.rms_px > _CLEARLY * three.rms_px):
+            yield _fisheye(four, 4)
 
     @property
     def _off(self) -> bool:
-        return self._lens == BrownConrady()
+        return not any(self._distortion)
 
     @property
-    def _lens(self) -> BrownConrady | Lens:
+    def _distortion(self) -> BrownConrady | Powers:
         c = self.config
         if c.model == "fisheye":
-            return Lens("kannala-brandt", (c.k1, c.k2, c.k3))
+            return c.k1, c.k2, c.k3, c.k4
         return BrownConrady(c.k1, c.k2, c.k3, c.p1, c.p2)
 
     def source(self, *, geometry: ImageGeometry, context: ImageContext, frames: int) -> Places | None:
         """Places in the pinhole's image at which pixels look, (H, W); None where off [px]."""
-        return None if self._off else _source(self._lens, geometry)
+        return None if self._off else _source(self._distortion, geometry)
 
     def source_at(
         self, x_px: NDArray[np.float64], y_px: NDArray[np.float64], *, geometry: ImageGeometry
     ) -> Places:
         """Places in the pinhole's image at which points of the image look [px]."""
-        return (x_px, y_px) if self._off else _source_at(self._lens, x_px, y_px, geometry)
+        return (x_px, y_px) if self._off else _source_at(self._distortion, x_px, y_px, geometry)
+
+
+def _fisheye(found: Calibration, terms: int) -> Mapping[str, Any]:
+    return {"model": "fisheye", **dict(zip(_RADIAL[:terms], found.radial, strict=False))}
 
 
 def _images_all(lens: BrownConrady, capture: ObservedCapture) -> bool:
@@ -164,25 +182,25 @@ def _images_all(lens: BrownConrady, capture: ObservedCapture) -> bool:
 
 
 @lru_cache(maxsize=2)  # of a design's frames all look alike
-def _source(lens: BrownConrady | Lens, geometry: ImageGeometry) -> Places:
+def _source(distortion: BrownConrady | Powers, geometry: ImageGeometry) -> Places:
     cx, cy = geometry.centre_px
-    return _source_at(lens, geometry.x_px + cx, geometry.y_px + cy, geometry)
+    return _source_at(distortion, geometry.x_px + cx, geometry.y_px + cy, geometry)
 
 
 def _source_at(
-    lens: BrownConrady | Lens, x_px: NDArray[np.float64], y_px: NDArray[np.float64], geometry: ImageGeometry
+    distortion: BrownConrady | Powers,
+    x_px: NDArray[np.float64],
+    y_px: NDArray[np.float64],
+    geometry: ImageGeometry,
 ) -> Places:
     f = geometry.focal_length_px
     cx, cy = geometry.centre_px
-    x, y = _undistorted(lens, (x_px - cx) / f, (y_px - cy) / f)
+    x, y = (x_px - cx) / f, (y_px - cy) / f
+    if isinstance(distortion, BrownConrady):
+        x, y = distortion.undistorted(x, y)
+    else:
+        radius = np.hypot(x, y)
+        seen = radius_without(radius, distortion, geometry.lens)
+        scale = np.where(radius > 1e-12, seen / np.maximum(radius, 1e-12), 1.0)
+        x, y = x * scale, y * scale
     return x * f + cx, y * f + cy
-
-
-def _undistorted(lens: BrownConrady | Lens, x: NDArray[np.float64], y: NDArray[np.float64]) -> Places:
-    """Tangents that a lens images at places in focal lengths; those of a fisheye up to `_WIDEST_RAD`."""
-    if isinstance(lens, BrownConrady):
-        return lens.undistorted(x, y)
-    radius = np.hypot(x, y)
-    angle = np.minimum(np.nan_to_num(lens.angle(radius), nan=lens.widest_rad), _WIDEST_RAD)
-    scale = np.where(radius > 1e-12, np.tan(angle) / np.maximum(radius, 1e-12), 1.0)
-    return x * scale, y * scale

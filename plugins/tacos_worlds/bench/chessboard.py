@@ -53,7 +53,7 @@ class Chessboard:
             for column, row in product(range(columns), range(rows))
             if (column + row) % 2 == 0
         ]
-        turn = {"tilt_deg": config.tilt_deg, "turn_deg": config.turn_deg}
+        turn = {name: getattr(config, name) for name in ("right_m", "up_m", "tilt_deg", "turn_deg")}
         world = tent_world(
             f"scene.chessboard {config.model_dump(exclude={'frames'})!r}",
             [turned(part, config.distance_m, **turn) for part in (paper, *squares)],

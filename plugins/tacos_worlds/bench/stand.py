@@ -146,17 +146,26 @@ def tent_world(
     )
 
 
-def turned(part: MeshPart, distance_m: float, *, tilt_deg: float = 0.0, turn_deg: float = 0.0) -> MeshPart:
+def turned(
+    part: MeshPart,
+    distance_m: float,
+    *,
+    right_m: float = 0.0,
+    up_m: float = 0.0,
+    tilt_deg: float = 0.0,
+    turn_deg: float = 0.0,
+) -> MeshPart:
     """A part of a target, turned with it about the target's middle.
 
-    `tilt_deg`: about the horizontal axis; above 0 the upper edge goes back [deg]. `turn_deg`: about the
-    vertical axis; above 0 the right edge goes back [deg].
+    - `right_m`, `up_m`: the middle, off the axis [m].
+    - `tilt_deg`: about the horizontal axis; above 0 the upper edge goes back [deg].
+    - `turn_deg`: about the vertical axis; above 0 the right edge goes back [deg].
     """
     tilt, turn = math.radians(tilt_deg), math.radians(turn_deg)
     about_y = np.array([[math.cos(tilt), 0, math.sin(tilt)], [0, 1, 0], [-math.sin(tilt), 0, math.cos(tilt)]])
     about_z = np.array([[math.cos(turn), -math.sin(turn), 0], [math.sin(turn), math.cos(turn), 0], [0, 0, 1]])
     rotation = (about_z @ about_y).T.astype(np.float32)
-    middle = np.array([distance_m, 0, 0], np.float32)
+    middle = np.array([distance_m, -right_m, up_m], np.float32)
     return replace(
         part, vertices_m=(part.vertices_m - middle) @ rotation + middle, normals=part.normals @ rotation
     )

@@ -81,7 +81,19 @@ def test_boards_all_around_a_known_fisheye_are_explained_by_their_poses(lens):
     assert rms(views(lens, Lens("equisolid"))) > 3
 
 
-def test_what_a_known_fisheye_does_beyond_its_calibration_is_its_lens(effects):
-    other = replace(T265, coefficients=(0.017, *T265.coefficients[1:]))
-    found = diagnosed(views(other, T265), effects)
+@pytest.mark.parametrize(
+    ("real", "known", "beyond"),
+    [
+        (replace(T265, coefficients=(0.017, *T265.coefficients[1:])), T265, (0.02, 0.0, 0.0, 0.0)),
+        pytest.param(T265, Lens("equidistant"), T265.coefficients, marks=pytest.mark.slow),
+    ],
+)
+def test_what_a_known_fisheye_does_beyond_its_calibration_is_its_lens(effects, real, known, beyond):
+    found = diagnosed(views(real, known), effects)
     assert [cause.effect for cause in found.causes] == ["lens-distortion"]
+    parameters = found.causes[0].parameters
+    assert parameters["model"].value == "fisheye"
+    for name, wanted in zip(("k1", "k2", "k3", "k4"), beyond, strict=True):
+        interval = parameters[name].interval
+        low, high = (0.0, 0.0) if interval is None else interval
+        assert low - 1e-4 <= wanted <= high + 1e-4, name

@@ -1,0 +1,106 @@
+"""A T265-like fisheye from the bench to the cause: boards rendered through the lens, found, diagnosed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tacos_framework.plugins import Plugins
+from tacos_framework.settings import check
+from tacos_framework.values import Lens
+from tacos_gap.captures import CaptureFolder, RealCapture
+from tacos_gap.captures.reader import read_captures
+from tacos_gap.captures.writer import write_captures
+from tacos_gap.evidence.boards import boards_found
+from tacos_gap.simulation.bench import BenchSettings, CaptureBench
+from tests.gap.evidence.boards.test_board_diagnosis import diagnosed
+
+pytestmark = pytest.mark.slow
+
+T265 = (-0.003, 0.054, -0.052, 0.011)
+CENTRE = (424.4, 398.6)
+PLACES = [
+    (0.25, 0, 0, 0, 0),
+    (0.15, 0.25, 0, 0, -58),
+    (0.15, -0.25, 0, 0, 58),
+    (0.15, 0, 0.22, -55, 0),
+    (0.15, 0, -0.22, 55, 0),
+    (0.3, 0.1, 0.1, 0, 30),
+    (0.25, -0.12, -0.1, -25, 15),
+]
+"""Distance, right, up [m], tilt and turn [deg] of each board."""
+
+
+@pytest.fixture(scope="module")
+def effects() -> dict[str, Any]:
+    plugins = Plugins.discover()
+    names = ("lens-distortion", "focal-length-error", "pose-error", "vignetting")
+    return {name: plugins.resolve(f"effect.{name}") for name in names}
+
+
+@pytest.fixture(scope="module")
+def boards(tmp_path_factory: pytest.TempPathFactory) -> CaptureFolder:
+    calibration = {
+        "width_px": 848,
+        "height_px": 800,
+        "focal_length_px": 282.0,
+        "centre_px": [*CENTRE],
+        "projection": "kannala-brandt",
+        "coefficients": [*T265],
+    }
+    names = ("distance_m", "right_m", "up_m", "tilt_deg", "turn_deg")
+    described = {
+        "rig": {
+            "use": "rig.monocular",
+            "sensor": {"name": "small", "width_px": 848, "height_px": 800, "pixel_um": 3.0},
+            "calibration": calibration,
+            "image_circle_deg": 163,
+        },
+        "renderer": {"use": "renderer.moderngl"},
+        "sensor": {"use": "sensor.affine-noise", "calibration": "flea3_imx172", "black_level_dn": 16},
+        "captures": [
+            {
+                "id": f"board_{i}",
+                "kind": "board",
+                "scene": {"use": "scene.chessboard", **dict(zip(names, place, strict=True))},
+                "frames": 2,
+            }
+            for i, place in enumerate(PLACES)
+        ],
+    }
+    settings, faults, _ = check(BenchSettings, described, str)
+    assert settings is not None, faults
+    folder = tmp_path_factory.mktemp("t265")
+    write_captures(folder, CaptureBench(settings, Plugins.discover(), seed=1).captures())
+    return boards_found(read_captures(Path(folder)))
+
+
+def believing(captures: Sequence[RealCapture], **changes: Any) -> list[RealCapture]:
+    return [replace(each, geometry=replace(each.geometry, **changes)) for each in captures]
+
+
+def test_its_own_calibration_leaves_nothing_to_name(boards, effects):
+    assert len(boards.captures) == len(PLACES)
+    assert boards.captures[0].geometry.lens.coefficients == T265
+    found = diagnosed(boards.captures, effects)
+    assert (found.verdict, found.causes) == ("no_gap", [])
+
+
+def test_another_first_coefficient_is_found_with_its_value(boards, effects):
+    other = Lens("kannala-brandt", (0.017, *T265[1:]))
+    found = diagnosed(believing(boards.captures, lens=other), effects)
+    assert [cause.effect for cause in found.causes] == ["lens-distortion"]
+    interval = found.causes[0].parameters["k1"].interval
+    assert interval is not None
+    assert interval[0] <= -0.02 <= interval[1]
+
+
+def test_another_principal_point_is_found_where_it_is(boards, effects):
+    found = diagnosed(believing(boards.captures, centre_px=(CENTRE[0] - 3, CENTRE[1] + 1.5)), effects)
+    assert [cause.effect for cause in found.causes] == ["focal-length-error"]
+    moved = [found.causes[0].parameters[name].value for name in ("dx_px", "dy_px")]
+    assert moved == pytest.approx([3.0, -1.5], abs=0.25)
