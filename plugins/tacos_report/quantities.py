@@ -8,6 +8,7 @@ from typing import Any
 _UNIT_SIGNS = {
     "deg": "°", "um": "µm", "um2": "µm²", "1": "", "percent": "%", "cd_m2": "cd/m²", "e": "e⁻", "e_s": "e⁻/s",
     "mw": "mW", "w": "W", "usd": "USD", "eur": "EUR", "hz": "Hz", "fps": "frames/s", "us": "µs", "dn": "DN",
+    "1/s": "per s",
 }  # fmt: skip
 _UNIT_SUFFIXES = (
     "deg", "mm", "um", "m", "px", "db", "lux", "s", "ms", "percent", "e", "mw", "w", "g", "usd", "eur",
@@ -41,6 +42,7 @@ _WORDS = {
     "pixel_rate_mpx_s": "Pixel rate",
     "bandwidth_mbit_s": "Bandwidth",
     "exposure_min_us": "Shortest exposure",
+    "exposure_max_ms": "Longest exposure",
     "min_exposure_us": "Shortest exposure",
     "gain_max_db": "Largest gain",
     "max_fps": "Highest frame rate",
