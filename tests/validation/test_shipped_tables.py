@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
+from safetensors.numpy import save_file
 
 from tacos_framework import ProcedureRecipe, Recipe, UserError, load_recipe
 from tacos_framework.plan.procedure import plan_procedure
@@ -28,7 +30,7 @@ def pretrained(tmp_path, monkeypatch):
         assert isinstance(made, ProcedureRecipe)
         file = tmp_path / "runs" / out / "weights" / f"{made.settings['file']}.safetensors"
         file.parent.mkdir(parents=True)
-        file.touch()
+        save_file({"weight": np.zeros(1, np.float32)}, file)
     monkeypatch.chdir(tmp_path)
 
 

@@ -15,6 +15,8 @@ _BELOW = slice(-12, -4)
 """Bins beside the pile: so near that a bright sky, which is wider, does not rise over them as a pile does."""
 _PILE = 3.0
 """Samples in the fullest bin of a pile over those in the bins below it, at least."""
+_LOWEST = 0.9
+"""Share of the largest code from which a pile is the sensor's: makers match its range to the codes."""
 _BEYOND = 0.01
 """Share of samples beyond a pile: noise spreads it, and light reaches no further."""
 _RANKS = 1 - np.geomspace(0.5, 3e-4, 48)
@@ -28,7 +30,7 @@ def clipping_codes(codes_dn: NDArray[np.uint16], white_dn: int) -> NDArray[np.in
 
     Photosites fill up below the largest code where gain is low or colours are balanced, and each colour at
     a code of its own. There samples of different light pile up. Without a pile only the largest code is
-    clipped. Piles in the lower half of the codes are no sensor's.
+    clipped. White things of even light pile up, too: below nine tenths of the codes they are taken for such.
 
     `codes_dn`: (N, H, W) frames of the brightest exposure [DN].
     """
@@ -69,7 +71,7 @@ def _onset(codes_dn: NDArray[np.uint16], white_dn: int) -> int:
     bins = min(_BINS, white_dn + 1)
     counts = np.bincount((codes_dn.astype(np.int64) * bins // (white_dn + 1)).ravel(), minlength=bins)
     beyond = np.cumsum(counts[::-1])[::-1]
-    for fullest in range(bins - 1, bins // 2, -1):
+    for fullest in range(bins - 1, int(_LOWEST * bins), -1):
         below = float(np.median(counts[fullest + _BELOW.start : fullest + _BELOW.stop]))
         if counts[fullest] < counts[fullest - 1] or counts[fullest] < _PILE * below + 5 * np.sqrt(below + 1):
             continue

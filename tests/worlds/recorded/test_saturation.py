@@ -35,6 +35,14 @@ def test_a_bright_sky_is_no_pile() -> None:
     assert (clipping_codes(codes, 4095) >= 4080).all()
 
 
+def test_white_paper_is_no_pile() -> None:
+    rng = np.random.default_rng(5)
+    light = np.minimum(forest(rng), 0.85)
+    light[:, :80] = 0.87 * (1 + 0.005 * rng.normal(size=(4, 80, 320)))  # the noise of 40,000 electrons
+    codes = np.clip(light * 4095, 0, 4095).astype(np.uint16)
+    assert (clipping_codes(codes, 4095) == 4095).all()
+
+
 def test_nothing_is_clipped_in_frames_that_reach_nowhere() -> None:
     codes = np.random.default_rng(3).integers(0, 900, (2, 64, 64)).astype(np.uint16)
     assert (clipping_codes(codes, 4095) == 4095).all()

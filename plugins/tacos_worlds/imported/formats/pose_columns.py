@@ -35,7 +35,7 @@ def named_columns(line: str) -> Columns | None:
     """The columns that a line of names tells; None where it is none.
 
     >>> named_columns("#timestamp [ns], p_RS_R_x [m], p_y [m], p_z [m], q_RS_w [], q_RS_x [], q_y, q_z")
-    Columns(time=0, position=(1, 2, 3), rotation=(5, 6, 7, 4), unit='ns')
+    Columns(time=0, position=(1, 2, 3), rotation=(5, 6, 7, 4), unit='ns', nanoseconds=None)
     >>> named_columns("# timestamp tx ty tz qx qy qz qw").rotation, named_columns("# by ORB")
     ((4, 5, 6, 7), None)
     """

@@ -63,12 +63,15 @@ def cut_out(model: Model, most_triangles: int = 200_000) -> Model:
     surfaces = []
     for surface in model.surfaces:
         skin = model.skins[surface.skin]
-        surfaces.append(made := _cut(surface, skin, most))
-        if skin.mask is not None and surface.uv is not None and (before := _area(surface)) > 0:
+        made, coarse = _cut(surface, skin, most)
+        surfaces.append(made)
+        if coarse and skin.mask is not None and (before := _area(surface)) > 0:
             drawn, there = _area(made) / before, float((skin.mask >= 255 * skin.cutoff).mean())
             if abs(drawn - there) > _NOTABLE * max(there, 1 - there):
                 what = "left out" if drawn < _FEW else "drawn solid" if drawn > 1 - _FEW else "cut coarsely"
-                notes[f"{skin.name}: its mask repeats too finely to be cut out, and is {what}"] = None
+                notes[
+                    f"{skin.name or 'no name'}: its mask repeats too finely to be cut out, and is {what}"
+                ] = None
     return replace(model, surfaces=tuple(surfaces), notes=(*model.notes, *notes))
 
 
@@ -77,12 +80,13 @@ def _area(surface: Surface) -> float:
     return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
 
 
-def _cut(surface: Surface, skin: Skin, most: int) -> Surface:
+def _cut(surface: Surface, skin: Skin, most: int) -> tuple[Surface, bool]:
+    """The surface that is left, and whether its mask was too fine to be cut as it is."""
     if surface.uv is None or not len(surface.triangles) or not np.abs(surface.uv).max() < _FAR:
-        return surface
+        return surface, False
     if any(skin.clamped):
         surface = _held(surface, skin)
-    return surface if skin.mask is None else _perforated(surface, skin, most)
+    return (surface, False) if skin.mask is None else _perforated(surface, skin, most)
 
 
 def _held(surface: Surface, skin: Skin) -> Surface:
@@ -111,20 +115,20 @@ def _held(surface: Surface, skin: Skin) -> Surface:
     return replace(surface, uv=None if surface.uv is None else np.clip(surface.uv, least, most))
 
 
-def _perforated(surface: Surface, skin: Skin, most: int) -> Surface:
+def _perforated(surface: Surface, skin: Skin, most: int) -> tuple[Surface, bool]:
     assert surface.uv is not None
     assert skin.mask is not None
     sound = _has_area(surface)
     corners = surface.uv[surface.triangles[sound]]
     if float(np.ptp(corners, axis=1).prod(axis=1).sum()) > _MOST_TILES:
         whole = float(skin.mask.mean()) / 255 >= skin.cutoff
-        return surface if whole else replace(surface, triangles=np.zeros((0, 3), np.int64))
+        return (surface if whole else replace(surface, triangles=np.zeros((0, 3), np.int64))), True
     tiles = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])).sum() / 2
-    polygons = _outlines_within(skin, float(most), float(tiles) + 0.02 * len(sound))
+    polygons, coarse = _outlines_within(skin, float(most), float(tiles) + 0.02 * len(sound))
     owner, placed = _placed(corners, polygons, skin.clamped)
     if not len(owner):
-        return replace(surface, triangles=np.zeros((0, 3), np.int64))
-    return cut(surface, sound[owner], placed)
+        return replace(surface, triangles=np.zeros((0, 3), np.int64)), coarse
+    return cut(surface, sound[owner], placed), coarse
 
 
 def _has_area(surface: Surface) -> NDArray[np.intp]:
@@ -134,10 +138,10 @@ def _has_area(surface: Surface) -> NDArray[np.intp]:
     return np.flatnonzero(np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) > 1e-14)
 
 
-def _outlines_within(skin: Skin, most: float, tiles: float) -> NDArray[np.float64]:
-    """Outlines as fine as the triangles they give allow."""
+def _outlines_within(skin: Skin, most: float, tiles: float) -> tuple[NDArray[np.float64], bool]:
+    """Outlines as fine as the triangles they give allow, and whether that is coarser than the mask."""
     assert skin.mask is not None
-    edge = min(max(skin.mask.shape), _FINEST_PX)
+    edge = finest = min(max(skin.mask.shape), _FINEST_PX)
     while True:
         shrunk = skin.mask.astype(np.float32)
         if edge < max(shrunk.shape):
@@ -145,7 +149,7 @@ def _outlines_within(skin: Skin, most: float, tiles: float) -> NDArray[np.float6
             shrunk = np.asarray(cv2.resize(shrunk, (columns, rows), interpolation=cv2.INTER_AREA), np.float32)
         found = outlines(shrunk.astype(np.float64) / 255 - skin.cutoff, skin.clamped)
         if 2 * len(found) * tiles <= most or edge <= _COARSEST_PX:
-            return found
+            return found, edge < finest
         edge //= 2
 
 
