@@ -17,7 +17,7 @@ _TILE_PX = 24
 _SMOOTHED_PX = 1.0
 """Detail is taken at this scale, where frames still have more of it than noise [px of a colour's plane]."""
 _UNCLIPPED = 0.8
-"""Share of the largest light up to which no tile is near clipping."""
+"""Share of the light at which samples are clipped up to which no tile is near that."""
 _DETAIL_OVER_NOISE = 2.0
 _FEWEST_TILES = 8
 _OF_MEDIAN = 1.2533
@@ -54,6 +54,7 @@ def detail_of(source: Source, motion: Motion, name: str, index: int, reference: 
     apart_s = np.float32(middle_s - others_s[nearest])
     moved_px = motion.at((middle_s + others_s[nearest]) / 2) * apart_s / np.float32(source.mosaic)
     own, theirs = (_as_steps(source.noise(each)) for each in (name, reference))
+    unclipped_dn = np.float32(_UNCLIPPED * (source.recording.clipping_dn - source.black_dn))
     seen, made = list[float](), list[float]()
     for row, column in source.greens:
         step = source.mosaic
@@ -63,7 +64,7 @@ def detail_of(source: Source, motion: Motion, name: str, index: int, reference: 
         noise = own(frame, np.float32(1))
         noise_there = theirs(expected, ratio)
         brightest = cv2.dilate(np.maximum(frame, expected), np.ones((7, 7)))[:-1, :-1]
-        below = _tiles((brightest > _UNCLIPPED * source.top_dn).astype(np.float32)) < 0.02
+        below = _tiles((brightest > unclipped_dn).astype(np.float32)) < 0.02
         here = _tiles(_steps(frame) - noise)
         there = _tiles(_steps(expected) - noise_there)
         known = below & (here > 0) & (there > _DETAIL_OVER_NOISE * _tiles(noise_there))

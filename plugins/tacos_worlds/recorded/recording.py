@@ -60,15 +60,26 @@ class Recording:
         return max(self.exposures.values(), key=lambda each: each.exposure_ms)
 
     @cached_property
+    def _clipping_codes(self) -> NDArray[np.int64]:
+        return clipping_codes(self._brightest.codes_dn, self.white_dn)
+
+    @cached_property
     def _top_codes(self) -> NDArray[np.int64]:
-        clipping_dn = clipping_codes(self._brightest.codes_dn, self.white_dn)
         frames = {each.exposure_ms: each.codes_dn for each in self.exposures.values()}
-        return trusted_codes(frames, self.response, clipping_dn)
+        return trusted_codes(frames, self.response, self._clipping_codes)
+
+    @property
+    def clipping_dn(self) -> float:
+        """Light from which on samples of a colour are clipped, the least of all colours [DN]."""
+        return self._light_of(self._clipping_codes.min())
 
     @property
     def top_dn(self) -> float:
         """Light from which on samples of a colour tell nothing, the least of all colours [DN]."""
-        return float(np.interp(self._top_codes.min(), self.response.code_dn, self.response.light_dn))
+        return self._light_of(self._top_codes.min())
+
+    def _light_of(self, code_dn: int) -> float:
+        return float(np.interp(code_dn, self.response.code_dn, self.response.light_dn))
 
     def clipped(self, name: str) -> float:
         """Share of samples of an exposure that are clipped, or beyond what exposures agree on [1]."""

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from tacos_worlds.recorded.recording import ExposedFrames, Recording
 from tacos_worlds.recorded.response import Response, linear_response
 from tacos_worlds.recorded.saturation import clipping_codes, trusted_codes
 
@@ -58,3 +59,15 @@ def test_codes_are_trusted_as_far_as_exposures_agree() -> None:
     found = trusted_codes(frames, wrong, clipping)
     truth = np.interp(found, wrong.code_dn, wrong.light_dn) / found
     assert truth == pytest.approx(1.15, abs=0.06)
+
+
+def test_a_response_that_exposures_contradict_moves_no_clipping() -> None:
+    light = forest(np.random.default_rng(4)) * 1500
+    exposures = {
+        f"{t:g}": ExposedFrames(t, np.arange(4.0), np.clip(light * t, 0, 4095).astype(np.uint16))
+        for t in (0.5, 1.0, 2.0)
+    }
+    wrong = Response(np.array([0.0, 3000, 4095]), np.array([0.0, 3000, 6500]))
+    recording = Recording(exposures, 12, wrong, "made up")
+    assert recording.clipping_dn == pytest.approx(6500, rel=0.01)
+    assert recording.top_dn < 4500
