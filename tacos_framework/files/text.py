@@ -12,6 +12,8 @@ from typing import Any
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.files.regular import read_bytes
 
+_ANY_LINE = re.compile(r"\S.*")
+_NO_REMARK = re.compile(r"^[^\S\n]*[^#\s].*", re.MULTILINE)
 _DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?")
 
 
@@ -73,14 +75,13 @@ def read_csv(
 ) -> list[tuple[int, list[str]]]:
     """The lines of a table with their numbers, cells without the blanks around them.
 
-    Columns are parted by commas, or, where the first line has none, by semicolons (then numbers may have
-    decimal commas) or tabs: spreadsheets of many countries write these.
+    Columns are parted by commas, semicolons (then numbers may have decimal commas) or tabs, as the first line
+    that is no remark (#) tells: spreadsheets of many countries write these.
 
     Raises `UserError` when it cannot be read or is no table.
     """
     text = read_text(path, where=where, within=within)
-    head = text.lstrip().partition("\n")[0]
-    mark = "," if "," in head else next((mark for mark in ";\t" if mark in head), ",")
+    mark = _mark_between_columns(text)
     table = csv.reader(StringIO(text, newline=""), delimiter=mark, strict=True, skipinitialspace=mark != "\t")
     try:
         return [(table.line_num, [_cell(cell, mark) for cell in line]) for line in table]
@@ -88,6 +89,15 @@ def read_csv(
         name = str(path) if where is None else where
         what = f"this is no table of comma-separated values: {error}"
         raise UserError(Fault(f"{name}:{table.line_num}", what)) from error
+
+
+def _mark_between_columns(text: str) -> str:
+    line = (_NO_REMARK.search(text) or _ANY_LINE.search(text) or [""])[0]
+    if ";" in line and all(
+        "," not in cell or _DECIMAL_COMMA.fullmatch(cell.strip()) for cell in line.split(";")
+    ):
+        return ";"
+    return "\t" if "\t" in line and "," not in line else ","
 
 
 def _cell(cell: str, mark: str) -> str:

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from pathlib import Path
+
+import pytest
 
 from tests.fresh_environment import FreshEnvironment
 
 PROJECT = Path(__file__).parent / "tacos-example-plugin"
+EXAMPLES = sorted(path.parent for path in Path(__file__).parents[2].glob("examples/*/pyproject.toml"))
 
 
 def test_the_example_plugin_installs_and_passes_its_tests(tmp_path: Path) -> None:
@@ -18,3 +24,17 @@ def test_the_example_plugin_installs_and_passes_its_tests(tmp_path: Path) -> Non
     environment.expect(f"tacos-run {PROJECT}/recipes/find_the_board.yaml --check")
     environment.expect(f"tacos-run {PROJECT}/recipes/keep_the_course.yaml --check")
     environment.expect(f"pytest -q -p no:cacheprovider {PROJECT}")
+
+
+@pytest.mark.parametrize("project", EXAMPLES, ids=lambda path: path.name)
+def test_the_tests_of_examples_begin(project: Path) -> None:
+    """Their modules import and read their files; the tests themselves run where the package is installed."""
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "--collect-only", "-p", "no:cacheprovider", "."],
+        cwd=project,
+        env={**os.environ, "PYTHONPATH": str(project / "src")},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout
