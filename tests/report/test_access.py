@@ -119,11 +119,11 @@ class TestInABrowser:
         assert "Designed camera, moment 1" in said["frames"]
 
 
-def test_marks_of_each_camera_stand_out_in_both_modes() -> None:
-    for mode in (0, 1):
-        paper = luminance(palette._NEUTRALS["paper"][mode])
-        ratios = [ratio(luminance(pair[mode]), paper) for pair in palette._CAMERAS]
-        assert min(ratios) >= LEAST_LARGE
+@pytest.mark.parametrize("mode", [0, 1])
+@pytest.mark.parametrize("ground", ["paper", "card"])
+def test_words_in_the_colour_of_each_camera_stand_out(mode: int, ground: str) -> None:
+    behind = luminance(palette._NEUTRALS[ground][mode])
+    assert min(ratio(luminance(pair[mode]), behind) for pair in palette._CAMERAS) >= LEAST_TEXT
 
 
 def luminance(colour: str) -> float:
