@@ -250,6 +250,25 @@ def test_a_column_tells_levels_of_one_exposure_apart(tmp_path):
     assert result["linearity_error_percent"]["value"] is None
 
 
+def test_frames_with_figures_of_their_own_are_of_one_level(tmp_path):
+    camera = Camera1288(size=(48, 64))
+    folder = camera.write(tmp_path / "f", levels=8)
+    expected = calibrate(folder, tmp_path)
+    head, *lines = (folder / "frames.csv").read_text().splitlines()
+    apart = []
+    for number, line in enumerate(lines):
+        kind, exposure, photons, file = line.split(",")
+        share = 1 + 0.0004 * (number % 2)
+        measured = f"{float(photons) * share:.3f}" if kind == "bright" else photons
+        apart.append(f"{kind},{float(exposure) * share:.1f},{measured},{file}")
+    (folder / "frames.csv").write_text("\n".join([head, *apart]))
+    found = calibrate(folder, tmp_path)
+    assert value(found, "system_gain_dn_per_e") == pytest.approx(value(expected, "system_gain_dn_per_e"))
+    assert value(found, "quantum_efficiency") == pytest.approx(
+        value(expected, "quantum_efficiency"), rel=1e-3
+    )
+
+
 def test_all_faults_of_a_table_come_at_once(tmp_path):
     folder = Camera1288(size=(32, 32)).write(tmp_path / "f", levels=4)
     table = folder / "frames.csv"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tacos_framework import Fault, UserError
@@ -15,6 +15,8 @@ TABLE = "frames.csv"
 _EXPOSURES_S = {"exposure_ns": 1e-9, "exposure_us": 1e-6, "exposure_ms": 1e-3, "exposure_s": 1.0}
 _COLUMNS = "kind,exposure_ns,photons_per_pixel,file (photons_per_pixel may be empty)"
 _KINDS = ("bright", "dark")
+_ONE_LEVEL = 0.01
+"""Exposures and photons of frames of one level may differ by this share [1]."""
 
 
 @dataclass(frozen=True)
@@ -135,4 +137,23 @@ class _Reader:
 
     def groups(self) -> tuple[FrameGroup, ...]:
         ordered = sorted(self._found.items(), key=lambda item: (item[0][0], item[0][1], item[0][2] or 0.0))
-        return tuple(FrameGroup(*key, tuple(files)) for key, files in ordered)
+        return tuple(_joined(FrameGroup(*key, tuple(files)) for key, files in ordered))
+
+
+def _joined(groups: Iterable[FrameGroup]) -> list[FrameGroup]:
+    """Groups, frames that stand alone joined: meters give each frame a figure of its own."""
+    found: list[FrameGroup] = []
+    alone = False
+    for group in groups:
+        if alone and len(group.files) == 1 and _alike(found[-1], group):
+            found[-1] = replace(found[-1], files=(*found[-1].files, *group.files))
+        else:
+            found.append(group)
+            alone = len(group.files) == 1
+    return found
+
+
+def _alike(one: FrameGroup, other: FrameGroup) -> bool:
+    pairs = [(one.exposure_s, other.exposure_s), (one.photons or 0.0, other.photons or 0.0)]
+    same = (one.kind, one.level) == (other.kind, other.level)
+    return same and all(math.isclose(*pair, rel_tol=_ONE_LEVEL) for pair in pairs)
