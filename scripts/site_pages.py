@@ -88,9 +88,7 @@ def api_pages() -> dict[str, str]:
     pages = {"tacos": _page("tacos", "\n".join(_described_once(name) for name in names_for_users()))}
     for title, shown in names.items():
         pages[title] = _page(title, "\n".join(f"::: tacos_framework.{name}\n" for name in sorted(shown)))
-    pages["Testing"] = _page(
-        "Testing", "::: tacos_framework.testing\n    options: {members: true, filters: ['!^_']}\n"
-    )
+    pages["Testing"] = _page("Testing", "::: tacos_framework.testing\n    options: {members: true}\n")
     return pages
 
 
