@@ -24,6 +24,18 @@ def study_recipe(study: str, changes: Mapping[str, Any], *, key: str = "study") 
     return recipe
 
 
+def tested_recipe(study: str, changes: Mapping[str, Any], number: int) -> Recipe:
+    """The recipe of a study with some keys changed; each `number` has unseen scenes of its own.
+
+    Raises UserError when it is no study, or has no test.
+    """
+    recipe = study_recipe(study, changes)
+    if recipe.test is None:
+        raise UserError(Fault("study", f"{study} has no test:", "scenes to be tested on"))
+    test = recipe.test.model_copy(update={"seed": recipe.test.seed + number})
+    return recipe.model_copy(update={"test": test})
+
+
 class FaultsTogether:
     """Faults of several studies, which are raised all at once; those that are optional are noted instead."""
 

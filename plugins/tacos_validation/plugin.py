@@ -40,6 +40,12 @@ def tacos_components() -> list[Component]:
         ),
         Component(
             "procedure",
+            "claims",
+            "tacos_validation.claims.compare:ClaimsTested",
+            summary="Claims, such as those of a paper, each tested by studies over many seeds.",
+        ),
+        Component(
+            "procedure",
             "studies-table",
             "tacos_validation.studies_table.table:StudiesTable",
             summary="Several studies and the cameras they compare with in one table.",

@@ -22,7 +22,7 @@ from tacos_framework import (
 )
 from tacos_framework.plan import make_plan
 from tacos_framework.store import DESIGNED
-from tacos_validation.harness import FaultsTogether, leave, result_of, study_recipe
+from tacos_validation.harness import FaultsTogether, leave, result_of, tested_recipe
 from tacos_validation.studies_compared.pages import StudiesComparison, page, summary, table_csv
 from tacos_validation.studies_compared.pairs import StudyOutcome
 
@@ -98,17 +98,11 @@ class CompareStudies:
         for number, seed in enumerate(self.config.seeds):
             for name, changes in self.config.variants.items():
                 with faults.of(f"variants.{name}"):
-                    recipe = self._recipe({**self.config.change, **changes, "seed": seed}, number)
+                    keys = {**self.config.change, **changes, "seed": seed}
+                    recipe = tested_recipe(self.config.study, keys, number)
                     make_plan(recipe, plugins)
                     yield name, seed, recipe
             faults.refuse()
-
-    def _recipe(self, changes: dict[str, Any], number: int) -> Recipe:
-        recipe = study_recipe(self.config.study, changes)
-        if recipe.test is None:
-            raise UserError(Fault("study", f"{self.config.study} has no test:", "scenes to be tested on"))
-        test = recipe.test.model_copy(update={"seed": recipe.test.seed + number})
-        return recipe.model_copy(update={"test": test})
 
 
 def _with_design(result: Mapping[str, Any], out: Path) -> Mapping[str, Any]:

@@ -1,0 +1,1 @@
+"""Sentences about cameras or searches, tested over many seeds."""
