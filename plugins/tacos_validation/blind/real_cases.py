@@ -210,7 +210,7 @@ def _series(out: Path, chosen: Mapping[int, Sequence[Path]], lit: Mapping[int, S
             {
                 "id": f"disks_{time}",
                 "kind": "bracket",
-                "real": [str(f.resolve()) for f in files],
+                "real": [_in_16_bits(folder, file) for file in files],
                 "simulated": f"expected_{time}.npy",
                 "simulated_frames": max(1, round(float(np.median(exposed)) / time)),
                 "mask": f"mask_{time}.png",
@@ -220,6 +220,13 @@ def _series(out: Path, chosen: Mapping[int, Sequence[Path]], lit: Mapping[int, S
             }
         )
     _write(folder, {**FLEA3, "bit_depth": 12}, captures)
+
+
+def _in_16_bits(folder: Path, file: Path) -> str:
+    """Name of a copy with the same values in 16 bits, as a camera of 12 bits saves them."""
+    name = f"{file.stem}.png"
+    cv2.imwrite(str(folder / name), read_samples(file).astype(np.uint16))
+    return name
 
 
 def _edges(out: Path, file: Path) -> None:
