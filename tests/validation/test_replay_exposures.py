@@ -15,6 +15,7 @@ from tacos_worlds.recorded.noise import LinearNoise
 from tacos_worlds.recorded.reader import read_recording
 from tacos_worlds.recorded.recording import ExposedFrames, Recording
 from tacos_worlds.recorded.response import estimated_response, linear_response
+from tacos_worlds.recorded.saturation import clipping_codes
 
 STEP_NS = 100_000_000
 
@@ -82,7 +83,8 @@ def test_highlights_that_one_colour_clips_are_clipped_further_in_all(row: int, c
     codes = np.tile(np.linspace(100, 3000, 96), (2, 96, 1)).astype(np.uint16)
     codes[:, row::2, column::2][..., 32:] = 3978  # full photosites, below the largest code
     exposures = {f"{ms}": ExposedFrames(float(ms), np.arange(2.0), codes) for ms in (1, 2)}
-    recording = Recording(exposures, 12, linear_response(4095), "linear")
+    clipping = clipping_codes(codes, 4095)
+    recording = Recording(exposures, 12, linear_response(4095), "linear", clipping)
     still = Motion(np.zeros(1), np.zeros((1, 48, 48, 2), np.float32))
     replay = Replay(recording, "2", "1", recording.light("2"), LinearNoise(0.0, 0.0), still, 0.0, 2)
     assert "highlights" in replay.lacks()
@@ -98,7 +100,7 @@ def replay_of(own_s: list[float], wanted_s: list[float]) -> Replay:
         "1": ExposedFrames(1.0, np.array(own_s), codes),
         "2": ExposedFrames(2.0, np.array(wanted_s), np.zeros((len(wanted_s), 8, 8), np.uint16)),
     }
-    recording = Recording(exposures, 12, linear_response(4095), "linear")
+    recording = Recording(exposures, 12, linear_response(4095), "linear", np.full((2, 2), 4095))
     still = Motion(np.zeros(1), np.zeros((1, 4, 4, 2), np.float32))
     return Replay(recording, "1", "2", recording.light("1"), LinearNoise(0.0, 0.0), still, 0.0, 1)
 
@@ -115,7 +117,7 @@ def test_shadows_that_are_cut_off_in_the_source_are_cut_off_further() -> None:
     light = np.tile(np.linspace(-3, 9, 64, dtype=np.float32).clip(0), (64, 1))
     codes = np.stack([light, light]).round().astype(np.uint16)
     exposures = {f"{ms}": ExposedFrames(float(ms), np.arange(2.0), codes) for ms in (1, 2)}
-    recording = Recording(exposures, 12, linear_response(4095), "linear")
+    recording = Recording(exposures, 12, linear_response(4095), "linear", np.full((2, 2), 4095))
     again = Replay(recording, "1", "2", recording.light("1"), LinearNoise(0.0, 0.0), replay.motion, 0.0, 1)
     as_is, cut = (next(again.frames(np.random.default_rng(0), lack)) for lack in (None, "shadows"))
     assert cut.min() > as_is.min() == 0

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import spearmanr
 
+from tacos_files.exposure_names import possible_time_ms
 from tacos_gap.photographs.facts import OF_NAME
 from tacos_gap.photographs.given import Given, Guess
-from tacos_gap.photographs.names import possible_time_ms
 from tacos_gap.photographs.picture import Picture
 from tacos_gap.photographs.tables import Row, Table
 from tacos_gap.report.words import first_of

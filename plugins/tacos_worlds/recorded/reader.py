@@ -109,9 +109,9 @@ def read_recording(
             stamp_s = np.array([(e.stamp_ns - start_ns) * 1e-9 for e in own])
             found[f"{exposure_ms:g}"] = ExposedFrames(exposure_ms, stamp_s, np.stack(images))
     found, bits = _at_depth(path, found, bit_depth, faults)
+    clipping_dn = np.zeros((2, 2), np.int64)
     if found:
-        *_, brightest = found.values()
-        clipping_dn = clipping_codes(brightest.codes_dn, (1 << bits) - 1)
+        clipping_dn = clipping_codes([*found.values()][-1].codes_dn, (1 << bits) - 1)
         for each in found.values():
             if over := overexposed(path, each, clipping_dn):
                 faults.append(over)
@@ -137,7 +137,8 @@ def read_recording(
         faults[-1] = Fault(last.where, last.what, last.expected, f"{last.remedy} {words}".strip())
         raise UserError(faults)
     shown = max(found.values(), key=lambda each: float(np.median(each.codes_dn)))
-    return Recording(found, bits, found_response, origin, green_on_diagonal(shown.codes_dn[:2]))
+    diagonal = green_on_diagonal(shown.codes_dn[:2])
+    return Recording(found, bits, found_response, origin, clipping_dn, diagonal)
 
 
 def _entries(path: Path, faults: list[Fault]) -> list[_Entry]:
@@ -145,9 +146,10 @@ def _entries(path: Path, faults: list[Fault]) -> list[_Entry]:
         faults.append(Fault(str(path), "there is no such folder", f"a folder of frames with {TIMES}"))
         return []
     pictures = sorted(
-        each.name
-        for each in path.iterdir()
-        if each.suffix.lower() in PICTURE_SUFFIXES and named_ms(each.name) is not None
+        name
+        for each in path.rglob("*")
+        if each.suffix.lower() in PICTURE_SUFFIXES
+        and named_ms(name := each.relative_to(path).as_posix()) is not None
     )
     table = path / TIMES
     if not table.is_file():
@@ -170,7 +172,7 @@ def _entries(path: Path, faults: list[Fault]) -> list[_Entry]:
                 Fault(
                     line.where,
                     f"names {line.file!r} without its exposure",
-                    "NNms_K.png, or a column exposure_ms",
+                    "NNms_K.png, NNms/K.png, or a column exposure_ms",
                     "Without exposures light is unknown: state them, as the camera's driver does.",
                 )
             )

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_worlds.recorded.response import Response
-from tacos_worlds.recorded.saturation import clipping_codes, trusted_codes
+from tacos_worlds.recorded.saturation import trusted_codes
 
 _MOSAIC = 1.03
 """Ratio of brightnesses under different colour filters, at least."""
@@ -38,6 +38,9 @@ class Recording:
     bits: int  # bits of a sample, of which its largest code tells
     response: Response  # from codes to light
     response_from: str  # where the response comes from, in a sentence
+    clipping_codes: NDArray[
+        np.int64
+    ]  # (2, 2) codes from which samples are clipped, as `saturation` finds them
     green_on_diagonal: bool = False  # true if the mosaic has green at (0, 0) and (1, 1)
 
     @property
@@ -49,29 +52,21 @@ class Recording:
     def mosaic(self) -> str:
         """``RG`` or ``GR`` where samples of different places in each 2 x 2 differ in brightness, as under
         colour filters, else ``none``; red and blue cannot be told apart."""
-        codes = self._brightest.codes_dn
+        codes = max(self.exposures.values(), key=lambda each: each.exposure_ms).codes_dn
         means = [float(codes[:, row::2, column::2].mean()) for row in (0, 1) for column in (0, 1)]
         if max(means) <= _MOSAIC * max(min(means), 1e-6):
             return "none"
         return "GR" if self.green_on_diagonal else "RG"
 
-    @property
-    def _brightest(self) -> ExposedFrames:
-        return max(self.exposures.values(), key=lambda each: each.exposure_ms)
-
-    @cached_property
-    def _clipping_codes(self) -> NDArray[np.int64]:
-        return clipping_codes(self._brightest.codes_dn, self.white_dn)
-
     @cached_property
     def _top_codes(self) -> NDArray[np.int64]:
         frames = {each.exposure_ms: each.codes_dn for each in self.exposures.values()}
-        return trusted_codes(frames, self.response, self._clipping_codes)
+        return trusted_codes(frames, self.response, self.clipping_codes)
 
     @property
     def clipping_dn(self) -> float:
         """Light from which on samples of a colour are clipped, the least of all colours [DN]."""
-        return self._light_of(self._clipping_codes.min())
+        return self._light_of(self.clipping_codes.min())
 
     @property
     def top_dn(self) -> float:

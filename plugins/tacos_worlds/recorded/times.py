@@ -2,34 +2,17 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
+from tacos_files.exposure_names import time_in_name_ms
+from tacos_files.table_columns import EXPOSURE, FILE, Column, find_column
 from tacos_framework import Fault
 from tacos_framework.files import read_csv
 
 TIMES = "times.csv"
-_FILE = ("file", "filename", "name", "image")
-_STAMP_NS: Mapping[str, float] = {
-    "taken_ns": 1,
-    "timestamp_ns": 1,
-    "stamp_ns": 1,
-    "taken_us": 1e3,
-    "timestamp_us": 1e3,
-    "taken_ms": 1e6,
-    "timestamp_ms": 1e6,
-    "taken_s": 1e9,
-    "time_s": 1e9,
-    "timestamp_s": 1e9,
-}
-_UNIT_MS: Mapping[str, float] = {"ns": 1e-6, "us": 1e-3, "ms": 1, "s": 1e3}
-_EXPOSURE_MS = {f"exposure_{unit}": scale for unit, scale in _UNIT_MS.items()}
-_NAMED = (
-    re.compile(r"^(?P<number>\d+_\d+)(?P<unit>ns|us|ms|s)(?=[_.-])", re.IGNORECASE),  # 0_5ms is 0.5 ms
-    re.compile(r"(?<![\d.])(?P<number>\d+(?:\.\d+)?)(?P<unit>ns|us|ms|s)(?=[_.-])", re.IGNORECASE),
-)
+_NANOSECOND = 1e-9
+_STAMP = ("taken", "timestamp", "stamp", "time", "t")
 
 
 @dataclass(frozen=True)
@@ -48,24 +31,32 @@ def read_times(table: Path) -> tuple[list[TimedFile], list[Fault]]:
     Raises UserError when it is no table of comma-separated values.
     """
     (_, first), *lines = read_csv(table) or [(1, [])]
-    heads = [head.lower() for head in first]
-    file = next((name for name in _FILE if name in heads), None)
-    stamp = next((name for name in _STAMP_NS if name in heads), None)
-    exposure = next((name for name in _EXPOSURE_MS if name in heads), None)
+    file, stamp, exposure = (find_column(first, names) for names in (FILE, _STAMP, EXPOSURE))
     if file is None or stamp is None:
-        expected = f"a column for the file ({', '.join(_FILE)}) and one for the time ({', '.join(_STAMP_NS)})"
+        expected = "a column for the file (file) and one for the time (taken_ns, timestamp_us, time_s, ...)"
         return [], [Fault(f"{table}:1", f"has the columns {', '.join(first)}", expected)]
-    found, faults = [], []
+    faults = [
+        Fault(f"{table}:1", f"the column {each.heading} states no unit", f"{each.heading}_ns, _us, _ms or _s")
+        for each in (stamp, exposure)
+        if each is not None and each.unit_s is None
+    ]
+    if faults:
+        return [], faults
+    found = []
     for number, cells in lines:
-        row, where = dict(zip(heads, cells, strict=False)), f"{table}:{number}"
-        name, taken = row.get(file, ""), row.get(stamp, "")
-        stated = row.get(exposure, "") if exposure else ""
+        where = f"{table}:{number}"
+        name, taken = file.cell(cells), stamp.cell(cells)
+        stated = exposure.cell(cells) if exposure else ""
         try:
-            stamp_ns = int(taken) if _STAMP_NS[stamp] == 1 else round(float(taken) * _STAMP_NS[stamp])
-            exposure_ms = float(stated) * _EXPOSURE_MS[exposure] if exposure and stated else named_ms(name)
+            stamp_ns = _whole_ns(taken, stamp)
+            exposure_ms = (
+                float(stated) * (exposure.unit_s or 1) * 1e3 if exposure and stated else named_ms(name)
+            )
         except (ValueError, OverflowError):
-            what = f"has {stamp} {taken!r}" + (f" and {exposure} {stated!r}" if stated else "")
-            whole = "a whole number of nanoseconds" if _STAMP_NS[stamp] == 1 else "numbers"
+            what = f"has {stamp.heading} {taken!r}" + (
+                f" and {exposure.heading} {stated!r}" if exposure else ""
+            )
+            whole = "a whole number of nanoseconds" if stamp.unit_s == _NANOSECOND else "numbers"
             faults.append(Fault(where, what, whole))
             continue
         if stamp_ns < 0 or (exposure_ms is not None and not 0 < exposure_ms < float("inf")):
@@ -78,12 +69,17 @@ def read_times(table: Path) -> tuple[list[TimedFile], list[Fault]]:
 
 
 def named_ms(name: str) -> float | None:
-    """Exposure in the name of a file [ms].
+    """Exposure in the name of a file, or else of its folder [ms].
 
-    >>> [named_ms(name) for name in ("08ms_3.png", "left_500us_3.tif", "0_5ms_3.png", "3.png")]
-    [8.0, 0.5, 0.5, None]
+    >>> [named_ms(name) for name in ("08ms_3.png", "left_500us_3.tif", "2.5ms/3.png", "3.png")]
+    [8.0, 0.5, 2.5, None]
     """
-    for pattern in _NAMED:
-        if found := pattern.search(Path(name).name):
-            return float(found["number"].replace("_", ".")) * _UNIT_MS[found["unit"].lower()]
-    return None
+    path = PurePosixPath(name.replace("\\", "/"))
+    return next((ms for part in (path.stem, path.parent.name) if (ms := time_in_name_ms(part))), None)
+
+
+def _whole_ns(text: str, column: Column) -> int:
+    """Nanoseconds of a stamp; those that are stated so stay whole, which floats of 64 bits do not hold."""
+    return (
+        int(text) if column.unit_s == _NANOSECOND else round(float(text) * (column.unit_s or 1) / _NANOSECOND)
+    )

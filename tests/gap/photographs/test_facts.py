@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from tacos_files.exposure_names import time_in_name_ms
 from tacos_framework.errors import UserError
 from tacos_gap.photographs.facts import read_facts
-from tacos_gap.photographs.names import time_in_name_ms
 from tests.gap.captures.dng import BYTE, LONG, RATIONAL, SHORT, dng
 
 EXPOSURE, SHUTTER, PIXELS, PLANE, UNIT = 0x829A, 0x9201, 0xA002, 0xA20E, 0xA210

@@ -14,7 +14,7 @@ from tacos_plugins.rigs.calibration_files import CalibratedLens
 from tacos_worlds.recorded.imports.found import FoundFrame, FoundRecording
 from tacos_worlds.recorded.imports.writing import write_recording
 from tacos_worlds.recorded.reader import read_recording
-from tacos_worlds.recorded.times import named_ms
+from tacos_worlds.recorded.times import named_ms, read_times
 
 STEP_NS = 50_000_000
 
@@ -159,7 +159,16 @@ def test_a_bag_without_rosbags_says_what_to_install(
 
 
 @pytest.mark.parametrize(
-    ("name", "ms"), [("500us_0.pgm", 0.5), ("left_2.5ms_07.tiff", 2.5), ("0_5ms_1.png", 0.5), ("7.png", None)]
+    ("name", "ms"),
+    [
+        ("500us_0.pgm", 0.5),
+        ("left_2.5ms_07.tiff", 2.5),
+        ("0_5ms_1.png", 0.5),
+        ("2.5ms/0003.png", 2.5),
+        ("exp_0.001s_003.tif", 1.0),
+        ("3_16ms.png", 16.0),
+        ("7.png", None),
+    ],
 )
 def test_names_state_exposures_in_any_unit(name: str, ms: float | None) -> None:
     assert named_ms(name) == ms
@@ -177,3 +186,43 @@ def test_a_bracket_keeps_the_exposures_of_its_names_and_its_response(tmp_path: P
     assert set(found.exposures) == {"2", "4"}
     np.testing.assert_allclose(np.diff(found.exposures["2"].stamp_s), 0.2, atol=1e-6)
     assert found.response.light_dn[-1] == found.white_dn
+
+
+@pytest.mark.parametrize(
+    ("heading", "row"),
+    [
+        ("#timestamp [ns],filename,exposure [us]", "{ns},{name},{us}"),
+        ("path;time_us;ExposureTime_us", "{name};{stamp_us};{us}"),
+        ("File Name,Time (s),exposure time (ms)", "{name},{stamp_s},{ms}"),
+    ],
+)
+def test_columns_are_found_by_any_heading_that_has_its_unit(heading: str, row: str, tmp_path: Path) -> None:
+    table = tmp_path / "times.csv"
+    lines = [
+        row.format(
+            name=f"{ms}/{k}.png",
+            ns=k * STEP_NS,
+            stamp_us=k * STEP_NS // 1000,
+            stamp_s=k * STEP_NS * 1e-9,
+            us=ms * 1000,
+            ms=ms,
+        )
+        for k, ms in ((0, 4), (1, 8))
+    ]
+    table.write_text("\n".join([heading, *lines]), encoding="utf-8")
+    found, faults = read_times(table)
+    assert not faults
+    assert [(each.file, each.stamp_ns, each.exposure_ms) for each in found] == [
+        ("4/0.png", 0, 4.0),
+        ("8/1.png", STEP_NS, 8.0),
+    ]
+
+
+def test_a_column_without_its_unit_is_named(tmp_path: Path) -> None:
+    (tmp_path / "times.csv").write_text("filename,timestamp,exposure_time\na.png,1.5,0.004\n")
+    found, faults = read_times(tmp_path / "times.csv")
+    assert not found
+    assert [fault.what for fault in faults] == [
+        "the column timestamp states no unit",
+        "the column exposure_time states no unit",
+    ]

@@ -68,6 +68,6 @@ def test_a_response_that_exposures_contradict_moves_no_clipping() -> None:
         for t in (0.5, 1.0, 2.0)
     }
     wrong = Response(np.array([0.0, 3000, 4095]), np.array([0.0, 3000, 6500]))
-    recording = Recording(exposures, 12, wrong, "made up")
+    recording = Recording(exposures, 12, wrong, "made up", np.full((2, 2), 4095))
     assert recording.clipping_dn == pytest.approx(6500, rel=0.01)
     assert recording.top_dn < 4500
