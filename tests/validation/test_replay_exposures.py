@@ -10,6 +10,7 @@ import pytest
 
 from tacos_framework import UserError
 from tacos_validation.exposures_replayed.emulation import Replay
+from tacos_validation.exposures_replayed.findings import TOO_FEW_FOR_BLUR, replayed
 from tacos_worlds.recorded.motion import Motion, blurred
 from tacos_worlds.recorded.noise import LinearNoise
 from tacos_worlds.recorded.reader import read_recording
@@ -122,3 +123,10 @@ def test_shadows_that_are_cut_off_in_the_source_are_cut_off_further() -> None:
     as_is, cut = (next(again.frames(np.random.default_rng(0), lack)) for lack in (None, "shadows"))
     assert cut.min() > as_is.min() == 0
     assert cut.max() == as_is.max()
+
+
+def test_a_blurred_source_that_leaves_next_to_nothing_is_refused() -> None:
+    none_left = np.zeros(4)
+    assert replayed(1.0, None, none_left, {"blur": 0.0}, 0.2).refused is None
+    assert replayed(1.0, None, none_left, {"blur": 0.0}, 4.0).refused == TOO_FEW_FOR_BLUR
+    assert replayed(1.0, None, none_left + 50, {"blur": 48.0}, 4.0).refused is None

@@ -37,6 +37,13 @@ class Replay:
         exposures = self.recording.exposures
         return exposures[self.target].exposure_ms / exposures[self.source].exposure_ms
 
+    @property
+    def blur_px(self) -> float:
+        """Path of the usual pixel during an exposure of the source, where it is longest [px]."""
+        own_ms = self.recording.exposures[self.source].exposure_ms
+        speeds = [np.linalg.norm(self.motion.at(s), axis=-1) for s in self._middles_s(self.source)]
+        return max(float(np.median(each)) for each in speeds) * own_ms * 1e-3
+
     def lacks(self) -> tuple[Lack, ...]:
         if self.ratio > 1:
             return ("noise", "shadows") if self.recording.cut_off(self.source) > 0 else ("noise",)

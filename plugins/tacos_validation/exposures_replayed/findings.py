@@ -22,6 +22,12 @@ REASONS: Mapping[Lack, str] = {
     "highlights": "highlights are clipped or uncertain in the source alone, and they decide",
     "shadows": "shadows are cut off in the source and not in this exposure, and they decide",
 }
+TOO_FEW_FOR_BLUR = (
+    "the source is blurred by more motion than this exposure, and too few inliers are left to show what that "
+    "costs"
+)
+_SHARP_PX = 1.0
+"""Blur of the source that costs a shorter exposure nothing [px]."""
 OTHER_MOMENTS = "the frames of the source were taken at other moments: fewer than two lie beside these"
 
 
@@ -78,14 +84,23 @@ def tolerance(inliers: float) -> float:
 
 
 def replayed(
-    ms: float, real: float | None, pairs: NDArray[np.float64], worse: Mapping[Lack, float]
+    ms: float,
+    real: float | None,
+    pairs: NDArray[np.float64],
+    worse: Mapping[Lack, float],
+    blur_px: float,
 ) -> ReplayedExposure:
     """An exposure from the inliers of its replayed pairs.
 
     Its interval holds the scatter of neighbouring pairs, and what it changed to double what the source
-    lacks; where all lacks together change more than the tolerance the exposure is refused.
+    lacks; where all lacks together change more than the tolerance the exposure is refused. So it is where a
+    source that is blurred leaves next to nothing, which no further blur can change.
+
+    `blur_px`: of the source.
     """
     predicted = float(pairs.mean())
+    if "blur" in worse and blur_px > _SHARP_PX and predicted < LEAST_TOLERANCE:
+        return ReplayedExposure(ms, real, None, None, TOO_FEW_FOR_BLUR)
     changes = {name: abs(value - predicted) for name, value in worse.items()}
     if sum(changes.values()) > tolerance(predicted):
         name, change = max(changes.items(), key=lambda item: item[1])

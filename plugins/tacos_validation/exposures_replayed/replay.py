@@ -42,8 +42,8 @@ class ReplayExposures:
     taken_ns) and, where it is known, ``response.txt``. The score is the mean of the inliers of consecutive
     frames.
 
-    Motion, noise and response are measured in the recording. The motion that blurs a longer exposure is never
-    measured in the frames of that exposure.
+    Motion, noise and response are measured in the recording: motion and noise of an exposure never in its own
+    frames.
     """
 
     class Config(Settings):
@@ -90,14 +90,26 @@ class ReplayExposures:
         real = {name: count(frames.codes_dn) for name, frames in measured}
         wanted = self._sources(recording)
         progress.phase("Replaying", len(wanted) * (len(light) - 1))
+        period = 1 if conversion is None else 2
+        noises = {
+            target: measured_noise(
+                [own for name, own in light.items() if name != target], mosaic=period, top_dn=recording.top_dn
+            )
+            for target in light
+        }
         sources = {}
         for source in wanted:
-            period = 1 if conversion is None else 2
-            noise = measured_noise(light[source], mosaic=period, top_dn=recording.top_dn)
             exposures = []
             for target in (name for name in light if name != source):
                 replay = Replay(
-                    recording, source, target, light[source], noise, motions[target], after_middle, period
+                    recording,
+                    source,
+                    target,
+                    light[source],
+                    noises[target],
+                    motions[target],
+                    after_middle,
+                    period,
                 )
                 ms = recording.exposures[target].exposure_ms
                 truth = float(real[target].mean()) if target in real else None
@@ -111,7 +123,7 @@ class ReplayExposures:
                     return count(replay.frames(rng, doubled))
 
                 worse = {lack: float(score(lack).mean()) for lack in replay.lacks()}
-                exposures.append(replayed(ms, truth, score(None), worse))
+                exposures.append(replayed(ms, truth, score(None), worse, replay.blur_px))
             sources[source] = SourceFindings(tuple(exposures))
         depth = f"Samples have {recording.bits} bits; mosaic: {mosaic}."
         notes = (recording.response_from, depth, _words_of_stamps(after_middle))

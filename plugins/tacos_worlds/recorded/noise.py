@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,9 +32,11 @@ class LinearNoise:
         return np.asarray(self.floor_dn2 * (1 - ratio**2) + self.slope_dn * (1 - ratio) * signal, np.float32)
 
 
-def measured_noise(light_dn: NDArray[np.float32], *, mosaic: int, top_dn: float) -> LinearNoise:
-    """Noise over light of (N, H, W) frames, from the plainest blocks at each brightness.
+def measured_noise(lights_dn: Iterable[NDArray[np.float32]], *, mosaic: int, top_dn: float) -> LinearNoise:
+    """Noise over light, from the plainest blocks at each brightness.
 
+    - `lights_dn`: (N, H, W) frames of each exposure: short ones show the noise of darkness, long ones that
+      of light.
     - `mosaic`: period of the colour filters [px].
     - `top_dn`: light from which on samples are clipped; blocks that reach it are left out [DN].
 
@@ -41,8 +44,8 @@ def measured_noise(light_dn: NDArray[np.float32], *, mosaic: int, top_dn: float)
     brightness.
     """
     means, variances = [], []
-    for row in range(mosaic):
-        for column in range(mosaic):
+    for light_dn in lights_dn:
+        for row, column in np.ndindex(mosaic, mosaic):
             plane = light_dn[:, row::mosaic, column::mosaic]
             bend = plane[:, 1:-1, 1:-1] - (plane[:, 1:-1, :-2] + plane[:, 1:-1, 2:]) / 2
             samples = _blocks(plane[:, 1:-1, 1:-1])

@@ -13,7 +13,7 @@ from tacos_worlds.recorded.noise import LinearNoise, measured_noise
 from tacos_worlds.recorded.recording import ExposedFrames, Recording
 
 if TYPE_CHECKING:
-    from tacos_worlds.recorded.motion import Motion
+    from tacos_worlds.recorded.motion import Motion, Steps
 
 Light = NDArray[np.float32]
 
@@ -62,7 +62,7 @@ class Source:
 
     @lru_cache(maxsize=16)  # noqa: B019 - a source lives as long as its process
     def noise(self, name: str) -> LinearNoise:
-        return measured_noise(self._lights[name], mosaic=self.mosaic, top_dn=self.top_dn)
+        return measured_noise([self._lights[name]], mosaic=self.mosaic, top_dn=self.top_dn)
 
     @cached_property
     def mean(self) -> float:
@@ -149,16 +149,20 @@ class Source:
         return float(np.median(np.quantile(speed, 0.9, axis=(1, 2)))) * duration_ms * 1e-3 / self.mosaic
 
     @cached_property
-    def motion(self) -> tuple[Motion, float] | None:
-        """Of the image, and where stamps lie in exposures; None for a single frame."""
+    def steps(self) -> Steps | None:
+        """Of the image, from each frame to the next in time; None for a single frame."""
         from tacos_worlds.recorded.motion import shots_of, steps_between
 
         shots = [shot for own in shots_of(self.recording, self._lights).values() for shot in own]
-        if len(shots) < 2:
+        return steps_between(shots) if len(shots) > 1 else None
+
+    @cached_property
+    def motion(self) -> tuple[Motion, float] | None:
+        """Of the image, and where stamps lie in exposures; None for a single frame."""
+        if self.steps is None:
             return None
-        steps = steps_between(shots)
-        after_middle = steps.stamp_after_middle()
-        return steps.motion(after_middle), after_middle
+        after_middle = self.steps.stamp_after_middle()
+        return self.steps.motion(after_middle), after_middle
 
     def _cells(self, samples: Light) -> Light:
         """(H, W, C) of (H, W) samples: each cell of the mosaic becomes a pixel."""
