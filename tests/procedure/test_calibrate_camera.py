@@ -129,7 +129,9 @@ def test_darkness_cut_off_at_0_is_said_and_does_not_bend_the_gain(tmp_path):
     camera = Camera1288(black=0.0)
     result = calibrate(camera.write(tmp_path / "f"), tmp_path)
     assert_near(result, camera)
-    assert result["dark_noise_e"]["value"] is None
+    for name in ("dark_noise_e", "dsnu_e", "dark_current_e_s"):
+        assert result[name]["value"] is None
+        assert "darkness is cut off" in result[name]["reason"]
     assert any("cut off at 0 DN" in doubt for doubt in result["doubts"])
 
 
@@ -143,6 +145,27 @@ def test_eight_bits_cut_out_of_twelve_keep_the_gain(tmp_path):
     result = calibrate(folder, tmp_path)
     assert value(result, "system_gain_dn_per_e") == pytest.approx(camera.gain / 16, rel=0.02)
     assert value(result, "quantum_efficiency") == pytest.approx(camera.efficiency, rel=0.02)
+
+
+def test_columns_and_kinds_may_have_other_usual_names(tmp_path):
+    camera = Camera1288(size=(48, 64))
+    expected = calibrate(camera.write(tmp_path / "e", levels=8), tmp_path)
+    table = camera.write(tmp_path / "f", levels=8) / "frames.csv"
+    _, *lines = table.read_text().splitlines()
+    rows = [line.replace("bright,", "Flat,", 1) for line in lines]
+    table.write_text("\n".join(["Type,Exposure Time [ns],Photons,File Name", *rows]))
+    assert calibrate(table.parent, tmp_path)["levels"] == expected["levels"]
+
+
+def test_levels_of_one_frame_that_leave_too_few_are_counted(tmp_path):
+    folder = Camera1288(size=(32, 32)).write(tmp_path / "f", levels=4)
+    table = folder / "frames.csv"
+    lines = table.read_text().splitlines()
+    table.write_text(
+        "\n".join(line for line in lines if not line.endswith(tuple(f"bright{i}_1.npy" for i in (0, 1, 3))))
+    )
+    (message,) = refused(folder, tmp_path)
+    assert "3 of 8 levels have one frame" in message
 
 
 def test_bands_of_a_lamp_are_named_and_not_fitted(tmp_path):

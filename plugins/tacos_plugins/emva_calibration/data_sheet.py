@@ -49,6 +49,9 @@ NAMES: Mapping[str, tuple[str, str]] = {
 }
 """Figures of ``result.json`` in the words of the standard, with units; in the order of the sheet."""
 
+_OF_DARKNESS = ("dsnu_e", "dark_current_e_s", "dark_current_from_variance_e_s", "dark_signal_e")
+"""Figures that darkness gives by itself."""
+
 
 @dataclass(frozen=True)
 class Figure:
@@ -94,6 +97,8 @@ def data_sheet(channel: Channel, where: str, rng: np.random.Generator) -> DataSh
     of_space = _nonuniformity(bright, dark, draws["system_gain_dn_per_e"], rng)
     values |= {name: value for name, (value, _) in of_space.items()}
     within |= {name: ci for name, (_, ci) in of_space.items()}
+    if selected.darks_censored:
+        values |= dict.fromkeys(_OF_DARKNESS, np.nan)
     found = {
         name: _figure(name, unit, values.get(name, np.nan), within, selected)
         for name, (_, unit) in NAMES.items()
@@ -117,6 +122,8 @@ def _figure(
 
 
 def _reason(name: str, selected: Selection) -> str:
+    if selected.darks_censored and name.startswith((*_OF_DARKNESS, "dark_noise", "absolute", "dynamic")):
+        return _CENSORED
     if name in ("prnu_percent", "dsnu_e"):
         return _NO_STACK
     if name.startswith("dark_current") or name == "dark_signal_e":
@@ -125,8 +132,6 @@ def _reason(name: str, selected: Selection) -> str:
         return _NO_LINEARITY
     if selected.saturation is None and name.startswith(("saturation", "snr", "dynamic")):
         return _NO_SATURATION
-    if selected.darks_censored and name.startswith(("dark_noise", "absolute", "dynamic")):
-        return _CENSORED
     return _NO_PHOTONS
 
 

@@ -8,13 +8,22 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from tacos_files.table_columns import EXPOSURE, FILE, Column, find_column
 from tacos_framework import Fault, UserError
 from tacos_framework.files import read_csv
 
 TABLE = "frames.csv"
-_EXPOSURES_S = {"exposure_ns": 1e-9, "exposure_us": 1e-6, "exposure_ms": 1e-3, "exposure_s": 1.0}
 _COLUMNS = "kind,exposure_ns,photons_per_pixel,file (photons_per_pixel may be empty)"
 _KINDS = ("bright", "dark")
+_SAME = {"light": "bright", "flat": "bright", "bias": "dark"}
+"""Other words for kinds."""
+_HEADINGS = {
+    "kind": ("kind", "type"),
+    "exposure": EXPOSURE,
+    "photons_per_pixel": ("photonsperpixel", "photons"),
+    "file": FILE,
+    "level": ("level",),
+}
 _ONE_LEVEL = 0.01
 """Exposures and photons of frames of one level may differ by this share [1]."""
 
@@ -52,17 +61,16 @@ def read_frame_table(folder: Path) -> tuple[FrameGroup, ...]:
         remedy = "Write a line for each frame; docs/how-to/calibrate_a_camera.md has an example."
         raise UserError(Fault(str(folder), what, f"a folder of frames with {TABLE}: {_COLUMNS}", remedy))
     (_, first), *lines = read_csv(path) or [(1, [])]
-    heading = [name.lower() for name in first]
-    exposures = [name for name in heading if name in _EXPOSURES_S]
-    missing = [name for name in ("kind", "file") if name not in heading]
-    if len(exposures) != 1:
-        missing.append("exposure_ns (or exposure_us, exposure_ms, exposure_s; one of them)")
+    columns = {name: found for name, names in _HEADINGS.items() if (found := find_column(first, names))}
+    missing = [name for name in ("kind", "file") if name not in columns]
+    if "exposure" not in columns or columns["exposure"].unit_s is None:
+        missing.append("exposure_ns (or exposure_us, exposure_ms, exposure_s)")
     if missing:
         raise UserError(Fault(f"{path}:1", f"there is no column {', '.join(missing)}", _COLUMNS))
-    reader = _Reader(folder, exposures[0])
+    reader = _Reader(folder, columns["exposure"])
     for number, cells in lines:
         if any(cells):
-            reader.take(f"{path}:{number}", dict(zip(heading, cells, strict=False)))
+            reader.take(f"{path}:{number}", {name: column.cell(cells) for name, column in columns.items()})
     reader.finish(path)
     if reader.faults:
         raise UserError(reader.faults)
@@ -72,7 +80,7 @@ def read_frame_table(folder: Path) -> tuple[FrameGroup, ...]:
 class _Reader:
     """Takes line after line, keeping faults."""
 
-    def __init__(self, folder: Path, exposure: str):
+    def __init__(self, folder: Path, exposure: Column):
         self.folder = folder
         self.exposure = exposure
         self.faults: list[Fault] = []
@@ -83,10 +91,12 @@ class _Reader:
     def take(self, where: str, row: Mapping[str, str]) -> None:
         before = len(self.faults)
         kind, name = row.get("kind", "").lower(), row.get("file", "")
+        kind = _SAME.get(kind, kind)
         if kind not in _KINDS:
             self.faults.append(Fault(where, f"kind is {kind or 'empty'!r}", "bright or dark"))
-        exposure = self._number(where, row, self.exposure)
-        photons = self._number(where, row, "photons_per_pixel") if row.get("photons_per_pixel") else None
+        exposure = self._number(where, self.exposure.heading, row["exposure"])
+        given = row.get("photons_per_pixel")
+        photons = self._number(where, "photons_per_pixel", given) if given else None
         if kind == "dark":
             if photons:
                 self.faults.append(Fault(where, f"a dark frame has {photons:g} photons", "0, or nothing"))
@@ -97,11 +107,10 @@ class _Reader:
                 self.faults.append(Fault(where, "a bright frame has 0 photons", "kind: dark, or its photons"))
         self._file(where, name)
         if len(self.faults) == before and exposure is not None:
-            key = (kind, exposure * _EXPOSURES_S[self.exposure], photons, row.get("level", ""))
+            key = (kind, exposure * (self.exposure.unit_s or 1.0), photons, row.get("level", ""))
             self._found.setdefault(key, []).append(self.folder / name)
 
-    def _number(self, where: str, row: Mapping[str, str], column: str) -> float | None:
-        text = row.get(column, "")
+    def _number(self, where: str, column: str, text: str) -> float | None:
         try:
             value = float(text)
         except ValueError:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import Fault, UserError
-from tacos_plugins.emva_calibration.measurement import Channel
+from tacos_plugins.emva_calibration.measurement import LEAST_LEVELS, Channel
 from tacos_plugins.noise_calibration.photon_transfer import ROUNDING_DN2
 
 Array = NDArray[np.float64]
@@ -26,7 +26,6 @@ CENSORED_SHARE = 1e-3
 """Share of samples at either end from which a level counts as cut off [1]."""
 
 _COLLAPSED = 0.8
-_LEAST_LEVELS = 3
 
 
 @dataclass(frozen=True)
@@ -133,7 +132,7 @@ def select(channel: Channel, brights: Brights, darks: Darks, where: str) -> Sele
     fitted = usable & (signal <= FIT_SHARE * top)
     if censored or fine:
         fitted &= brights.variance_dn2 >= FINEST_DN2 + ROUNDING_DN2
-    if fitted.sum() < _LEAST_LEVELS:
+    if fitted.sum() < LEAST_LEVELS:
         cut = int(brights.censored.sum())
         raise UserError(
             Fault(
@@ -142,7 +141,7 @@ def select(channel: Channel, brights: Brights, darks: Darks, where: str) -> Sele
                 "off at 0 or at "
                 f"full scale, the others lie above {FIT_SHARE:.0%} of saturation or below what "
                 "rounding shows",
-                f"{_LEAST_LEVELS} levels or more from darkness to {FIT_SHARE:.0%} of saturation, better 50",
+                f"{LEAST_LEVELS} levels or more from darkness to {FIT_SHARE:.0%} of saturation, better 50",
                 "Take shorter exposures, or less light. Set bit_depth where files have fewer bits "
                 "than it says.",
             )

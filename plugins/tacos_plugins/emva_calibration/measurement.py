@@ -18,6 +18,9 @@ from tacos_plugins.emva_calibration.nonuniformity import SpatialVariance, spatia
 STACK_FRAMES = 8
 """From so many frames a group serves for nonuniformity; the standard takes 50 or more."""
 
+LEAST_LEVELS = 3
+"""Bright levels that the gain takes."""
+
 _NARROWEST_PX = 16
 _MOST_DRIFT = 0.15
 
@@ -61,6 +64,14 @@ def measure_channels(
                     "with the same exposure and photons_per_pixel.",
                 )
             )
+    if single and sum(group.kind == "bright" for group in paired) < LEAST_LEVELS:
+        raise UserError(
+            Fault(
+                str(folder),
+                f"{len(single)} of {len(groups)} levels have one frame: too few are left for the gain",
+                f"two frames of {LEAST_LEVELS} bright levels or more, better 50",
+            )
+        )
     reader = _FrameReader(folder, mosaic)
     found: dict[str, list[tuple[FrameGroup, Moments]]] = {name: [] for name in reader.planes}
     stacks: dict[str, list[tuple[FrameGroup, SpatialVariance]]] = {name: [] for name in reader.planes}
