@@ -113,6 +113,6 @@ def _moved(plane: Plane, moved_px: NDArray[np.float32]) -> Plane:
     step = cv2.resize(moved_px, (width, height))
     y, x = np.mgrid[:height, :width].astype(np.float32)
     there = cv2.remap(
-        plane, x - step[..., 0], y - step[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+        plane, x - step[..., 0], y - step[..., 1], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE
     )
     return np.asarray(there, np.float32)

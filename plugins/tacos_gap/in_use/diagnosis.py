@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from tacos_framework import Progress
 from tacos_gap.in_use.detail import detail_of
 from tacos_gap.in_use.motion import MotionBlur, motion_blur
+from tacos_gap.in_use.overlap import Steadiness, Vignetting, overlaps, steadiness, vignetting
+from tacos_worlds.recorded.noise import LinearNoise, measured_noise
 from tacos_worlds.recorded.reader import read_recording
 from tacos_worlds.recorded.recording import ExposedFrames, Recording
 from tacos_worlds.recorded.response import Response, estimated_response
@@ -35,6 +37,9 @@ class InUse:
     response_error: NDArray[np.float64]
     """(K,) relative error of light at its codes: half of what two halves of the frames differ by [1]."""
     blurs: tuple[MotionBlur, ...]  # for each exposure but the shortest
+    noise: LinearNoise  # over linear light of all exposures; texture counts in it where all blocks have some
+    vignetting: Vignetting
+    steadiness: Steadiness | None  # None where frames do not overlap
 
     @property
     def causes_in_motion(self) -> dict[str, list[str]]:
@@ -74,6 +79,9 @@ class InUse:
             ],
             "at_rest": self.causes_at_rest,
             "in_motion": self.causes_in_motion,
+            "noise": vars(self.noise),
+            "vignetting": {**vars(self.vignetting), "present": self.vignetting.present},
+            "steadiness": self.steadiness and {**vars(self.steadiness), "cause": self.steadiness.cause},
             "not_separated": self.not_separated,
             "next_picture": self.next_picture,
         }
@@ -116,7 +124,11 @@ def diagnose_recording(folder: str | Path, progress: Progress) -> InUse:
         ]
         blurs.append(motion_blur(frames.exposure_ms, longest_ms, details))
         progress.step(f"{name} ms")
-    return InUse(recording.response, error, tuple(blurs))
+    progress.phase("Comparing overlaps", None)
+    found = overlaps(source)
+    lights = [recording.light(name) for name in exposures]
+    noise = measured_noise(lights, mosaic=source.mosaic, top_dn=source.top_dn)
+    return InUse(recording.response, error, tuple(blurs), noise, vignetting(found), steadiness(found))
 
 
 def _quietest(recording: Recording) -> Recording:
@@ -149,6 +161,7 @@ def in_words(found: InUse) -> str:
         f"Response found from the exposures, light within {np.max(middle):.1%} from 5 to 95 % of the codes."
     ]
     lines += [_of_blur(blur) for blur in found.blurs]
+    lines += [_of_noise(found), _of_vignetting(found.vignetting), _of_steadiness(found.steadiness)]
     named = [name for causes in found.causes_at_rest.values() for name in causes]
     lines.append(f"At rest: {', '.join(named) or 'nothing'} named.")
     lines += [f"Not separable: {' and '.join(each)}." for each in found.not_separated]
@@ -164,6 +177,31 @@ def _of_blur(blur: MotionBlur) -> str:
         f"{blur.share:.2f} ({low:.2f} to {high:.2f}) of the blur that a path of {blur.path_px:.1f} px makes"
     )
     return f"{where}; {'motion' if blur.present else 'nothing'} named: {share}."
+
+
+def _of_noise(found: InUse) -> str:
+    return (
+        f"Noise of linear light, at most: variance {found.noise.floor_dn2:.3g} DN² + "
+        f"{found.noise.slope_dn:.3g} DN x light, white at {found.response.light_dn[-1]:g} DN."
+    )
+
+
+def _of_vignetting(found: Vignetting) -> str:
+    if found.interval is None:
+        return "Vignetting: the image moves too little between frames to tell."
+    low, high = found.interval
+    named = f"named: corners lack {found.corner:.0%}" if found.present else "not named"
+    return f"Vignetting {named} ({low:.0%} to {high:.0%})."
+
+
+def _of_steadiness(found: Steadiness | None) -> str:
+    if found is None:
+        return "Brightness: too few frames overlap to tell if it is steady."
+    of_frames, of_rows = found.limits
+    return (
+        f"Brightness from frame to frame: {found.cause or 'nothing'} named. It changes by "
+        f"{found.largest:.1%} (limit {of_frames:.1%}), over rows by {found.bands:.1%} (limit {of_rows:.1%})."
+    )
 
 
 def data_and_summary(found: InUse) -> Mapping[str, Any]:

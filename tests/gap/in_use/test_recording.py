@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from unittest.mock import Mock
 
@@ -33,8 +34,20 @@ def place_px(time_s: float) -> float:
     return max(0.0, time_s - RESTING * 0.25) * SPEED_PX_S
 
 
-def record(folder: Path, *, moves: bool = True, defocused: str = "") -> Path:
-    """A texture at rest and then in motion, 12 bits, coded by a square root; exposures in turn."""
+def record(
+    folder: Path,
+    *,
+    moves: bool = True,
+    defocused: str = "",
+    corner: float = 0.0,
+    lamp: Callable[[float], float] = lambda time_s: 1.0,
+) -> Path:
+    """A texture at rest and then in motion, 12 bits, coded by a square root; exposures in turn.
+
+    `corner`: light that corners lack [1]; `lamp`: its brightness over time [s].
+    """
+    y, x = np.mgrid[:SIZE, :SIZE] / (SIZE - 1) * 2 - 1
+    passed = 1 - corner * (x**2 + y**2) / 2
     world, rng = texture(), np.random.default_rng(6)
     lines = ["file,taken_ns"]
     for frame in range(FRAMES):
@@ -50,7 +63,7 @@ def record(folder: Path, *, moves: bool = True, defocused: str = "") -> Path:
             name = f"{ms:02d}ms_{frame}.png"
             if name == defocused:
                 light = cv2.GaussianBlur(light, (0, 0), 1.5)
-            linear = 40.0 * ms * light
+            linear = 40.0 * ms * light * passed * lamp(middle_s)
             noisy = linear + rng.normal(0, 1, light.shape) * np.sqrt(4 + 0.3 * linear)
             codes = 4095 * np.sqrt(np.clip(noisy / 4095, 0, 1))
             cv2.imwrite(str(folder / name), np.rint(codes).astype(np.uint16))
@@ -97,3 +110,30 @@ def test_a_frame_at_rest_that_is_out_of_focus_is_not_taken_for_motion(tmp_path: 
     assert found.causes_at_rest["32"] == ["unsteady detail"]
     assert not any(found.causes_in_motion.values())
     assert "unsteady detail" in in_words(found)
+
+
+def test_steady_light_and_even_corners_have_no_name(moving: InUse) -> None:
+    assert moving.steadiness is not None
+    assert moving.steadiness.cause is None
+    assert not moving.vignetting.present
+    assert moving.vignetting.interval is not None
+
+
+def test_noise_over_light_is_an_upper_limit_where_all_has_texture(moving: InUse) -> None:
+    assert 0.3 < moving.noise.slope_dn < 1.0
+    assert "Noise of linear light, at most" in in_words(moving)
+
+
+def test_dark_corners_and_an_exposure_that_settles_are_named(tmp_path: Path) -> None:
+    found = diagnosed(record(tmp_path, corner=0.5, lamp=lambda time_s: 1 - 0.2 * np.exp(-time_s / 0.15)))
+    assert found.vignetting.present
+    assert found.vignetting.corner == pytest.approx(0.5, abs=0.15)
+    assert found.steadiness is not None
+    assert found.steadiness.cause == "settling exposure"
+    assert "settling exposure named" in in_words(found)
+
+
+def test_a_lamp_that_flickers_is_named(tmp_path: Path) -> None:
+    found = diagnosed(record(tmp_path, moves=False, lamp=lambda time_s: 1 + 0.15 * np.sin(41 * time_s)))
+    assert found.steadiness is not None
+    assert found.steadiness.cause == "flicker"
