@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tacos_framework import UserError
-from tacos_validation.exposures_replayed.emulation import Replay
+from tacos_validation.exposures_replayed.emulation import Lack, Replay
 from tacos_validation.exposures_replayed.findings import TOO_FEW_FOR_BLUR, replayed
 from tacos_worlds.recorded.motion import Motion, blurred
 from tacos_worlds.recorded.noise import LinearNoise
@@ -126,7 +126,20 @@ def test_shadows_that_are_cut_off_in_the_source_are_cut_off_further() -> None:
 
 
 def test_a_blurred_source_that_leaves_next_to_nothing_is_refused() -> None:
-    none_left = np.zeros(4)
-    assert replayed(1.0, None, none_left, {"blur": 0.0}, 0.2).refused is None
-    assert replayed(1.0, None, none_left, {"blur": 0.0}, 4.0).refused == TOO_FEW_FOR_BLUR
-    assert replayed(1.0, None, none_left + 50, {"blur": 48.0}, 4.0).refused is None
+    def refused(inliers: float, blur_px: float) -> str | None:
+        worse: dict[Lack, float] = {"blur": inliers}
+        return replayed(1.0, None, np.full(4, inliers), worse, ratio=0.1, blur_px=blur_px).refused
+
+    assert refused(0, blur_px=0.2) is None
+    assert refused(0, blur_px=4.0) == TOO_FEW_FOR_BLUR
+    assert refused(50, blur_px=4.0) is None
+
+
+def test_noise_that_left_few_inliers_counts_for_each_doubling() -> None:
+    def refused(inliers: float, ratio: float) -> str | None:
+        worse: dict[Lack, float] = {"noise": inliers - 4}
+        return replayed(8.0, None, np.full(4, inliers), worse, ratio=ratio, blur_px=0.0).refused
+
+    assert refused(40, ratio=2) is None
+    assert "changes 40 inliers by 4" in (refused(40, ratio=16) or "")
+    assert refused(400, ratio=16) is None

@@ -88,6 +88,8 @@ def replayed(
     real: float | None,
     pairs: NDArray[np.float64],
     worse: Mapping[Lack, float],
+    *,
+    ratio: float,
     blur_px: float,
 ) -> ReplayedExposure:
     """An exposure from the inliers of its replayed pairs.
@@ -96,14 +98,21 @@ def replayed(
     lacks; where all lacks together change more than the tolerance the exposure is refused. So it is where a
     source that is blurred leaves next to nothing, which no further blur can change.
 
-    `blur_px`: of the source.
+    Where few inliers are left noise has taken most of them, and once more takes little: then its change
+    counts for each doubling between the two exposures.
+
+    - `ratio`: this exposure over that of the source [1].
+    - `blur_px`: of the source.
     """
     predicted = float(pairs.mean())
     if "blur" in worse and blur_px > _SHARP_PX and predicted < LEAST_TOLERANCE:
         return ReplayedExposure(ms, real, None, None, TOO_FEW_FOR_BLUR)
     changes = {name: abs(value - predicted) for name, value in worse.items()}
+    if "noise" in changes and predicted < LEAST_TOLERANCE / TOLERANCE:
+        changes["noise"] *= float(np.log2(ratio))
     if sum(changes.values()) > tolerance(predicted):
-        name, change = max(changes.items(), key=lambda item: item[1])
+        name = max(changes, key=changes.__getitem__)
+        change = abs(worse[name] - predicted)
         reason = f"{REASONS[name]}: the same once more changes {predicted:.0f} inliers by {change:.0f}"
         return ReplayedExposure(ms, real, None, None, reason)
     scatter = float(np.std(np.diff(pairs)) / np.sqrt(2 * len(pairs))) if len(pairs) > 2 else 0.0

@@ -123,7 +123,9 @@ class ReplayExposures:
                     return count(replay.frames(rng, doubled))
 
                 worse = {lack: float(score(lack).mean()) for lack in replay.lacks()}
-                exposures.append(replayed(ms, truth, score(None), worse, replay.blur_px))
+                exposures.append(
+                    replayed(ms, truth, score(None), worse, ratio=replay.ratio, blur_px=replay.blur_px)
+                )
             sources[source] = SourceFindings(tuple(exposures))
         depth = f"Samples have {recording.bits} bits; mosaic: {mosaic}."
         notes = (recording.response_from, depth, _words_of_stamps(after_middle))
