@@ -47,14 +47,17 @@ class Buffers:
         if not isinstance(asset, dict) or not str(asset.get("version", "")).startswith("2"):
             raise Damaged("it is not glTF 2.0: asset.version is missing or another")
         self.header: Json = header
+        self._checked: dict[str, list[Json]] = {}
         self._buffers: dict[int, memoryview] = {}
         self._unpacked: dict[str, memoryview] = {}
 
     def listed(self, name: str) -> list[Json]:
-        entries = self.header.get(name, [])
-        if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
-            raise Damaged(f"{name} is not a list of objects")
-        return entries
+        if name not in self._checked:  # once, as large buildings have lists of 10^5 entries
+            entries = self.header.get(name, [])
+            if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
+                raise Damaged(f"{name} is not a list of objects")
+            self._checked[name] = entries
+        return self._checked[name]
 
     def entry(self, name: str, index: object) -> Json:
         entries = self.listed(name)
