@@ -170,6 +170,7 @@ def test_no_file_outside_the_folder_is_read(tmp_path: Path) -> None:
     folder = tmp_path / "models"
     secret = tmp_path / "secret.mtl"
     secret.write_text("newmtl m\n")
+    secret.with_suffix(".png").write_bytes(b"")
     (folder / "sofa").mkdir(parents=True)
     obj = "mtllib ../../secret.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
     (folder / "sofa" / "escape.obj").write_text(obj)
@@ -187,10 +188,20 @@ def test_no_file_outside_the_folder_is_read(tmp_path: Path) -> None:
     assert f"link.obj: link.obj leads out of {folder}" in message
 
 
-def test_a_missing_reference_is_named(tmp_path: Path) -> None:
+def test_a_missing_buffer_is_named(tmp_path: Path) -> None:
     (tmp_path / "bed").mkdir()
-    (tmp_path / "bed" / "a.obj").write_text("mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-    assert "'gone.mtl', which does not exist" in faults_of(tmp_path)
+    view = {"buffer": 0, "byteLength": 36}
+    points = {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}
+    tree = {
+        "asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "accessors": [points],
+        "bufferViews": [view], "buffers": [{"uri": "gone.bin", "byteLength": 36}],
+    }  # fmt: skip
+    content = json.dumps(tree).encode()
+    content += b" " * (-len(content) % 4)
+    head = struct.pack("<IIIII", 0x46546C67, 2, 20 + len(content), len(content), 0x4E4F534A)
+    (tmp_path / "bed" / "a.glb").write_bytes(head + content)
+    assert "'gone.bin', which does not exist" in faults_of(tmp_path)
 
 
 def test_vertices_that_are_not_finite_are_refused(tmp_path: Path) -> None:

@@ -376,6 +376,21 @@ def test_a_far_node_is_recentred_before_single_precision(
     np.testing.assert_allclose(single, (SQUARE * 4.0 + away) @ read.turn.T, atol=1e-3)
 
 
+@pytest.mark.parametrize("uri", ["oak%20floor.png", "C:\\maps\\oak floor.png"])
+def test_pictures_that_are_not_there_are_told_and_drawn_plain(uri: str, tmp_path: Path) -> None:
+    made = Tree()
+    made.primitive["material"] = 0
+    info = {"index": 0}
+    look = {"baseColorTexture": info, "baseColorFactor": [0.8, 1, 1, 1]}
+    made.tree |= {"images": [{"uri": uri}], "textures": [{"source": 0}]}
+    made.tree["materials"] = [{"pbrMetallicRoughness": look, "normalTexture": info}]
+    model = made.read(tmp_path)
+    assert model.skins[0].texture is model.skins[0].normal_map is None
+    assert model.skins[0].base_colour.tolist() == [0.4, 0.5, 0.5]
+    assert len(model.notes) == 1
+    assert model.notes[0].endswith("floor.png', which is not there: what it is a picture of is drawn plain")
+
+
 def test_time_of_reading_grows_with_the_number_of_things_not_its_square(tmp_path: Path) -> None:
     """A building from BIM is a node and a mesh for every door and pipe: 20,000 take two seconds here."""
     made, things = Tree(), 20_000

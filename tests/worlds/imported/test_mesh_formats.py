@@ -271,6 +271,23 @@ def test_materials_that_no_library_has_are_told_with_the_effect(tmp_path: Path) 
     assert model.notes == ("oak: no library of materials (mtllib) has them, and they are drawn grey",)
 
 
+def test_files_of_materials_that_are_not_there_are_told_and_the_shape_is_drawn(tmp_path: Path) -> None:
+    """Models are passed on without their libraries and pictures; nobody learns that from a grey wall."""
+    faces = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl oak\nf 1 2 3\n"
+    model = read(tmp_path, "a.obj", f"mtllib gone.mtl\n{faces}")
+    assert len(triangles_of(model)) == 1
+    assert model.notes[0] == (
+        "refers to 'gone.mtl', which is not there: its materials lack their colours and pictures"
+    )
+    text = "newmtl oak\nKd 0.8 1 1\nmap_Kd /home/else/oak.png\nmap_d /home/else/oak.png\n"
+    (tmp_path / "b.mtl").write_text(text)
+    model = read(tmp_path, "b.obj", f"mtllib b.mtl\n{faces}")
+    assert model.skins[0].texture is model.skins[0].mask is None
+    assert model.skins[0].base_colour.tolist() == [0.4, 0.5, 0.5]
+    effect = "what it is a picture of is drawn plain"
+    assert model.notes == (f"refers to '/home/else/oak.png', which is not there: {effect}",)
+
+
 def test_masks_in_a_picture_of_their_own_are_holes(tmp_path: Path) -> None:
     from PIL import Image
 

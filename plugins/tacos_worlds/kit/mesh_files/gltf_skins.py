@@ -14,7 +14,7 @@ from tacos_worlds.kit.mesh_files.damage import Damaged
 from tacos_worlds.kit.mesh_files.gltf_buffers import Buffers, Json
 from tacos_worlds.kit.mesh_files.gltf_notes import SPECULAR_GLOSSINESS, remedy_for
 from tacos_worlds.kit.mesh_files.packed import BASISU
-from tacos_worlds.kit.mesh_files.pictures import picture
+from tacos_worlds.kit.mesh_files.pictures import MISSING, UNSEEN_REFLECTANCE, picture
 from tacos_worlds.kit.models.model import Skin
 
 _REPEATED, _CLAMPED, _MIRRORED, _NEAREST = 10497, 33071, 33648, 9728
@@ -29,7 +29,7 @@ class Skins:
 
     def __init__(self, buffers: Buffers, most_px: int) -> None:
         self._buffers, self._most_px = buffers, most_px
-        self._pictures: dict[int, NDArray[np.uint8]] = {}
+        self._pictures: dict[int, NDArray[np.uint8] | None] = {}
 
     def all(self) -> tuple[Skin, ...]:
         """Every material of the file, and last the one of surfaces that name none."""
@@ -63,6 +63,8 @@ class Skins:
         if image is not None:
             image = _doubled(self._sharp(image, pbr["baseColorTexture"]), wraps)
             mask = None if mask is None else image[..., 3]
+        elif "baseColorTexture" in pbr:
+            factor = factor * UNSEEN_REFLECTANCE
         bumps = self._texture(entry.get("normalTexture"))
         glow = _numbers(entry.get("emissiveFactor", (0, 0, 0)), 3)
         if glow.any() and (glowing := self._texture(entry.get("emissiveTexture"))) is not None:
@@ -124,6 +126,10 @@ class Skins:
             names = [*more] or ["nothing"]
             raise Damaged(f"a texture has its image only as {', '.join(names)}: {remedy_for(names[0])}")
         if index not in self._pictures:
+            uri = str(self._buffers.entry("images", index).get("uri", "data:"))
+            if self._buffers.references.lacks(uri, MISSING, quoted=True):
+                self._pictures[index] = None
+                return None
             try:
                 loaded = self._buffers.references.picture(self._buffers.image(index), f"picture {index}")
             except UserError:  # kept among the faults of the references: all are told at once

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from tacos_framework import UserError
 from tacos_worlds.kit.mesh_files.mtl import MtlMaterial
-from tacos_worlds.kit.mesh_files.pictures import picture
+from tacos_worlds.kit.mesh_files.pictures import MISSING, UNSEEN_REFLECTANCE, picture
 from tacos_worlds.kit.mesh_files.references import References
 from tacos_worlds.kit.models.model import Skin
 
@@ -36,6 +36,8 @@ class MtlSkins:
         if material.picture and not colour.any():
             self._references.notes.append(f"{name}: Kd 0 0 0 would make its picture black, and is left out")
             colour = np.ones(3)
+        if material.picture and pixels is None:
+            colour = colour * UNSEEN_REFLECTANCE
         rough = (2 / (material.shininess + 2)) ** 0.25 if material.roughness is None else material.roughness
         return Skin(
             name=name,
@@ -52,6 +54,9 @@ class MtlSkins:
     def pixels(self, name: str) -> NDArray[np.uint8] | None:
         """(H, W, 4) a picture; None without a name, or where it cannot be read."""
         if name and name not in self._pictures:
+            if self._references.lacks(name, MISSING):
+                self._pictures[name] = None
+                return None
             try:
                 loaded = self._references.picture(self._references.bytes_of(name), name)
                 self._pictures[name] = picture(loaded, self._most_px)

@@ -263,6 +263,8 @@ def _library(lines: Sequence[str], references: References) -> Library:
     for line in lines:
         whole = line.strip().strip('"')
         for name in [whole] if references.has(whole) or " " not in whole else whole.split():
+            if references.lacks(name, "its materials lack their colours and pictures"):
+                continue
             try:
                 texts.setdefault(name, references.text_of(references.bytes_of(name), "an MTL file"))
             except UserError:

@@ -6,6 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+MISSING = "what it is a picture of is drawn plain"
+"""Effect of a picture that is not there."""
+
+UNSEEN_REFLECTANCE = 0.5
+"""Of a surface whose picture is not there, white in its material as most are under a picture [1]."""
+
 
 def picture(loaded: Image.Image, most_px: int) -> NDArray[np.uint8]:
     """(H, W, 4) sRGB and opacity, row 0 at the bottom (v = 0), no edge above `most_px`."""

@@ -42,6 +42,22 @@ class References:
         except (OSError, ValueError):  # too long, or with a NUL
             return False
 
+    def lacks(self, name: str, effect: str, *, quoted: bool = False) -> bool:
+        """True if a file that a model can do without is nowhere; that is noted, with its effect.
+
+        - `quoted`: whether the name is written as in a URI.
+        """
+        if name.startswith("data:") or (quoted and _is_elsewhere(name)):
+            return False
+        file = unquote(name) if quoted and not self.has(name) else name
+        try:
+            missing = self._found(file) is None
+        except (OSError, ValueError):  # too long, or with a NUL: `bytes_of` says so
+            return False
+        if missing:
+            self.notes.append(f"refers to {file!r}, which is not there: {effect}")
+        return missing
+
     def bytes_of(self, name: str, *, quoted: bool = False) -> bytes:
         """The bytes that a name or a data URI stands for.
 
@@ -100,8 +116,7 @@ class References:
 
     def _file(self, name: str, quoted: bool) -> bytes:
         file = unquote(name) if quoted and not self.has(name) else name
-        parts = urlsplit(name)
-        if quoted and (len(parts.scheme) > 1 or parts.netloc):  # one letter is a drive of Windows
+        if quoted and _is_elsewhere(name):
             what = f"refers to {name[:80]!r}, on another machine"
             raise UserError(Fault(self.where, what, "files beside it", "Copy that file beside the model."))
         try:
@@ -137,3 +152,9 @@ class References:
                     if each.name.casefold() == named.name.casefold():
                         return each
         return None
+
+
+def _is_elsewhere(uri: str) -> bool:
+    """True if a URI is that of another machine."""
+    parts = urlsplit(uri)
+    return len(parts.scheme) > 1 or bool(parts.netloc)  # a scheme of one letter is a drive of Windows
