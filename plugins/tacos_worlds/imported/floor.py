@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ _MOST_STOREYS = 6
 _STEEPEST = 0.7  # least upward part of a floor's normal: 45 degrees
 _BENEATH_M = 0.02  # rays go on this far below what they met
 _NEIGHBOURS = ((1, 0), (0, 1), (1, 1), (1, -1))
+_ROOM_M2 = 4.0  # places that could be a room, where those inside of solids are larger
 _DECIMALS = 5
 """Of heights and lengths in metres: equal ways stay equal wherever the file lies, whatever float32 rounds."""
 
@@ -41,6 +43,7 @@ class Floor:
     points_m: NDArray[np.float64]  # (N, 3) places on the floor [m]
     headroom_m: NDArray[np.float64]  # (N,) free height above; infinite under the open sky [m]
     clearance_m: NDArray[np.float64]  # (N,) distance along the floor to where it ends [m]
+    in_solid: NDArray[np.bool_]  # (N,) whether backs of surfaces are seen below and above, as inside a slab
     steps: csr_array  # (N, N) symmetric matrix of the lengths of single steps [m]
     cell_m: float  # distance of neighbouring places [m]
 
@@ -51,9 +54,8 @@ class Floor:
     def kept(self, chosen: NDArray[np.bool_] | NDArray[np.intp]) -> Floor:
         rows = np.flatnonzero(chosen) if chosen.dtype == bool else chosen
         steps = self.steps[rows][:, rows].tocsr()
-        return Floor(
-            self.points_m[rows], self.headroom_m[rows], self.clearance_m[rows], csr_array(steps), self.cell_m
-        )
+        per_place = (self.points_m, self.headroom_m, self.clearance_m, self.in_solid)
+        return Floor(*(values[rows] for values in per_place), csr_array(steps), self.cell_m)
 
 
 def find_floor(occlusion: Occlusion, agent: Agent) -> Floor:
@@ -65,7 +67,9 @@ def find_floor(occlusion: Occlusion, agent: Agent) -> Floor:
     grid = np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), axis=-1).reshape(-1, 2)
     # A little off the middle of cells: many models have their edges there, between which rays slip through.
     ground = lower[:2] + (grid + np.array([0.4871, 0.5237])) * cell_m
-    cell, height, headroom = _standing_places(occlusion, ground, float(lower[2]), float(upper[2]), agent)
+    cell, height, headroom, in_solid = _standing_places(
+        occlusion, ground, float(lower[2]), float(upper[2]), agent
+    )
     points = np.column_stack([ground[cell], height])
     index = np.full((len(grid), _MOST_STOREYS), -1)
     first = np.concatenate([[True], cell[1:] != cell[:-1]]) if len(cell) else np.zeros(0, bool)
@@ -77,7 +81,7 @@ def find_floor(occlusion: Occlusion, agent: Agent) -> Floor:
     clearance = np.full(len(points), math.inf)
     if len(edge) and len(points):
         clearance = dijkstra(steps, directed=False, indices=edge, min_only=True) + cell_m / 2
-    return Floor(points, headroom, clearance, steps, cell_m)
+    return Floor(points, headroom, clearance, in_solid, steps, cell_m)
 
 
 def walkable(
@@ -102,6 +106,9 @@ def walkable(
     covered = np.bincount(label, np.isfinite(allowed.headroom_m)) > size / 2
     roof = np.bincount(label, _has_floor_below(allowed)) > size / 2
     under, open_air = size * covered, size * (~covered & ~roof)
+    solid = np.bincount(label, allowed.in_solid) > 0.9 * size
+    if (under * ~solid).max() * allowed.cell_m**2 >= _ROOM_M2:  # else a room may be a box seen from inside
+        under = under * ~solid
     if inside is None:
         inside = bool(under.sum() > 0 and under.sum() >= open_air.sum() / 4)
     chosen = under if inside else open_air
@@ -112,12 +119,12 @@ def walkable(
 
 def _standing_places(
     occlusion: Occlusion, ground_m: NDArray[np.float64], lowest_m: float, highest_m: float, agent: Agent
-) -> tuple[NDArray[np.intp], NDArray[np.float64], NDArray[np.float64]]:
-    """Cell, height and headroom of places with room to stand, by cell and from above [1, m, m]."""
-    found: list[tuple[NDArray[np.intp], NDArray[np.float64], NDArray[np.float64]]] = []
+) -> tuple[NDArray[np.intp], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+    """Cell, height and headroom [m] of places with room to stand, by cell and from above, and `in_solid`."""
+    found: list[tuple[NDArray[Any], ...]] = []
     active = np.arange(len(ground_m))
     start = np.full(len(ground_m), highest_m + 1.0)
-    above = np.full(len(ground_m), math.inf)
+    above, front_above = np.full(len(ground_m), math.inf), np.zeros(len(ground_m), bool)
     for _ in range(_MOST_LAYERS):
         if not len(active):
             break
@@ -132,13 +139,19 @@ def _standing_places(
         flat = np.abs(normal[:, 2]) >= _STEEPEST * np.maximum(np.linalg.norm(normal, axis=1), 1e-12)
         room = above[active] - height
         stands = flat & (room >= agent.height_m)
-        found.append((active[stands], height[stands], room[stands]))
-        above[active] = height
+        in_solid = (normal[:, 2] < 0) & front_above[active]
+        found.append((active[stands], height[stands], room[stands], in_solid[stands]))
+        above[active], front_above[active] = height, normal[:, 2] > 0
         start[active] = height - _BENEATH_M
         active = active[start[active] > lowest_m - 1.0]
-    cell, height, room = (np.concatenate([part[k] for part in found]) for k in range(3))
+    cell, height, room, in_solid = (np.concatenate(parts) for parts in zip(*found, strict=True))
     order = np.lexsort((-height, cell))
-    return cell[order].astype(np.intp), height[order].astype(np.float64), room[order].astype(np.float64)
+    return (
+        cell[order].astype(np.intp),
+        height[order].astype(np.float64),
+        room[order].astype(np.float64),
+        in_solid[order].astype(np.bool_),
+    )
 
 
 def _steps(

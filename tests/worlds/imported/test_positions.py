@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
@@ -124,6 +125,25 @@ def test_a_floor_that_stands_upright_is_doubted(tmp_path: Path) -> None:
     )
     assert doubt_of_up(area_along(read.model), "z") is None
     assert "up: z" in str(doubt_of_up(area_along(read.model), "y"))
+
+
+@settings(max_examples=6, deadline=None)
+@given(thick_m=st.floats(1.9, 8.0), ground_m=st.floats(12, 30))
+def test_agents_walk_in_rooms_and_not_in_the_ground_beneath_them(
+    tmp_path_factory: pytest.TempPathFactory, thick_m: float, ground_m: float
+) -> None:
+    """Ground and slabs are often boxes, whose inside has a floor, a ceiling, and more room than a house."""
+    file = tmp_path_factory.mktemp("slabs") / "house.stl"
+    half = ground_m / 2
+    boxes = [((-half, -half, -thick_m), (half, half, 0)), ((-3, -3, 2.6), (3, 3, 2.6 + thick_m))]
+    boxes += [((-3, y - 0.1, 0), (3, y + 0.1, 2.6)) for y in (-3, 3)]
+    boxes += [((x - 0.1, -3, 0), (x + 0.1, 3, 2.6)) for x in (-3, 3)]
+    trimesh.util.concatenate([trimesh.creation.box(bounds=box) for box in boxes]).export(file)
+    read = read_world(file, up="z", metres_per_unit=1.0, leave_out=(), most_px=64)
+    occlusion, _ = geometry([sound(surface, read.turn, 0) for surface in read.model.surfaces])
+    floor = walkable(find_floor(occlusion, AGENT), AGENT, inside=True, start_m=None)
+    assert np.abs(floor.points_m[:, 2]).max() < 0.01
+    assert clear_height_m(occlusion, floor.points_m) == pytest.approx(2.6, abs=0.01)
 
 
 def test_an_eye_above_the_ceiling_is_doubted() -> None:
