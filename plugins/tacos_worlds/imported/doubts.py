@@ -20,6 +20,8 @@ _UNITS_M = {
     "hundreds of metres": 100.0,
 }  # fmt: skip
 _LIFT_M = 0.05
+_LEAST_UPRIGHT = 0.15
+"""Share of a building's surface that is level or along an axis: floors and ceilings alone are a third [1]."""
 _MUCH_MORE = 1.5
 """Of area along an axis than along that which a file says is up: it may be the wrong one [1]."""
 
@@ -46,11 +48,25 @@ def doubt_of_open_height(height_m: float, metres_per_unit: float) -> str | None:
     return f"the world is {height_m:.3g} m high: towers, or a file in {unit}?"
 
 
-def doubt_of_up(facing_m2: NDArray[np.float64], up: str) -> str | None:
+def doubt_of_tilt(area: NDArray[np.float64]) -> str | None:
+    """A doubt about a model whose floors and walls face along no axis, wherever it is turned in plan.
+
+    `area`: (4,) that faces along each axis of the file, and all of it.
+    """
+    if area[:3].sum() >= _LEAST_UPRIGHT * area[3]:
+        return None
+    return (
+        f"only {area[:3].sum() / area[3]:.0%} of its surface faces along an axis, so floors are tilted: if "
+        "its coordinates are those of the whole Earth (ECEF), export it in a local frame with z up, or in UTM"
+    )
+
+
+def doubt_of_up(area: NDArray[np.float64], up: str) -> str | None:
     """A doubt about the axis that a format has upwards, where floors and ceilings lie across another.
 
-    `facing_m2`: (3,) area that faces along each axis of the file.
+    `area`: (4,) that faces along each axis of the file, and all of it.
     """
+    facing_m2 = area[:3]
     likely = "xyz"[int(np.argmax(facing_m2))]
     if facing_m2["xyz".index(likely)] <= _MUCH_MORE * facing_m2["xyz".index(up)]:
         return None

@@ -54,8 +54,14 @@ class Floor:
     def kept(self, chosen: NDArray[np.bool_] | NDArray[np.intp]) -> Floor:
         rows = np.flatnonzero(chosen) if chosen.dtype == bool else chosen
         steps = self.steps[rows][:, rows].tocsr()
-        per_place = (self.points_m, self.headroom_m, self.clearance_m, self.in_solid)
-        return Floor(*(values[rows] for values in per_place), csr_array(steps), self.cell_m)
+        return Floor(
+            self.points_m[rows],
+            self.headroom_m[rows],
+            self.clearance_m[rows],
+            self.in_solid[rows],
+            csr_array(steps),
+            self.cell_m,
+        )
 
 
 def find_floor(occlusion: Occlusion, agent: Agent) -> Floor:

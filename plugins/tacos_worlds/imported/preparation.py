@@ -16,6 +16,7 @@ from tacos_plugins.lighting.occlusion import Occlusion
 from tacos_worlds.imported.doubts import (
     clear_height_m,
     doubt_of_open_height,
+    doubt_of_tilt,
     doubt_of_up,
     doubts_of_height,
 )
@@ -195,7 +196,9 @@ def _of_axes(config: ImportedSettings, read: Read, occlusion: Occlusion, floor: 
     yield from doubts_of_height(clear_m, config.metres_per_unit, config.camera_height_m)
     if clear_m is None and (doubt := doubt_of_open_height(height_m, config.metres_per_unit)):
         yield doubt
-    if config.up == "auto" and read.model.up and (doubt := doubt_of_up(area_along(read.model), read.up)):
+    area = area_along(read.model)
+    of_up = config.up == "auto" and read.model.up
+    if doubt := doubt_of_tilt(area) or (doubt_of_up(area, read.up) if of_up else None):
         yield doubt
 
 

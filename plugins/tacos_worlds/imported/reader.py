@@ -107,14 +107,15 @@ def likely_up(model: Model) -> Literal["y", "z"]:
 
 
 def area_along(model: Model) -> NDArray[np.float64]:
-    """(3,) area that faces along each axis of the file, within 15 degrees [square units]."""
-    facing = np.zeros(3)
+    """(4,) area that faces along each axis of the file, within 15 degrees, and all of it [square units]."""
+    facing = np.zeros(4)
     for surface in model.surfaces:
         a, b, c = (surface.vertices[surface.triangles[:, corner]] for corner in range(3))
         cross = np.cross(b - a, c - a)
         area = np.linalg.norm(cross, axis=1)
         along = np.abs(cross) > 0.966 * np.maximum(area, 1e-30)[:, None]
-        facing += (along * area[:, None]).sum(axis=0) / 2
+        facing[:3] += (along * area[:, None]).sum(axis=0) / 2
+        facing[3] += area.sum() / 2
     return facing
 
 

@@ -16,6 +16,7 @@ from tacos_framework.errors import UserError
 from tacos_worlds.imported.doubts import (
     clear_height_m,
     doubt_of_open_height,
+    doubt_of_tilt,
     doubt_of_up,
     doubts_of_height,
     likely_unit,
@@ -27,6 +28,7 @@ from tacos_worlds.imported.place import geometry
 from tacos_worlds.imported.reader import area_along, read_world
 from tacos_worlds.imported.recorded import read_recorded
 from tacos_worlds.imported.tour import draw_tour
+from tacos_worlds.kit.mesh_files import read_model
 from tacos_worlds.kit.models.patch import sound
 
 CORNERS = np.array([[x, y, z] for z in (0, 2.7) for y in (0, 5) for x in (0, 7.3)], float)
@@ -144,6 +146,22 @@ def test_agents_walk_in_rooms_and_not_in_the_ground_beneath_them(
     floor = walkable(find_floor(occlusion, AGENT), AGENT, inside=True, start_m=None)
     assert np.abs(floor.points_m[:, 2]).max() < 0.01
     assert clear_height_m(occlusion, floor.points_m) == pytest.approx(2.6, abs=0.01)
+
+
+@settings(max_examples=20, deadline=None)
+@given(latitude_deg=st.floats(25, 65), longitude_deg=st.floats(25, 65), heading_deg=st.floats(0, 360))
+def test_a_building_in_coordinates_of_the_earth_is_doubted_and_one_turned_in_plan_is_not(
+    tmp_path_factory: pytest.TempPathFactory, latitude_deg: float, longitude_deg: float, heading_deg: float
+) -> None:
+    file = tmp_path_factory.mktemp("earth") / "house.ply"
+    in_plan = Rotation.from_euler("z", heading_deg, degrees=True)
+    on_earth = Rotation.from_euler("zy", [longitude_deg, 90 - latitude_deg], degrees=True)  # z up to ECEF
+    for turn, tilted in ((in_plan, False), (on_earth, True)):
+        box = trimesh.creation.box(bounds=[(0, 0, 0), (7, 5, 2.7)])
+        box.vertices = turn.apply(box.vertices)
+        box.export(file)
+        doubt = doubt_of_tilt(area_along(read_model(file, most_px=64)))
+        assert (doubt is not None and "ECEF" in doubt) == tilted
 
 
 def test_an_eye_above_the_ceiling_is_doubted() -> None:
