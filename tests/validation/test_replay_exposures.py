@@ -11,6 +11,7 @@ import pytest
 from tacos_framework import UserError
 from tacos_validation.exposures_replayed.emulation import Lack, Replay
 from tacos_validation.exposures_replayed.findings import TOO_FEW_FOR_BLUR, replayed
+from tacos_worlds.recorded.consistency import faults_of_stamps
 from tacos_worlds.recorded.motion import Motion, blurred
 from tacos_worlds.recorded.noise import LinearNoise
 from tacos_worlds.recorded.reader import read_recording
@@ -55,6 +56,14 @@ def test_a_folder_without_times_says_what_to_write(tmp_path: Path) -> None:
     (record(tmp_path) / "times.csv").unlink()
     with pytest.raises(UserError, match=r"times\.csv: there is no such file beside 15 frames"):
         read_recording(tmp_path)
+
+
+def test_two_cameras_under_one_name_are_one_fault_an_exposure() -> None:
+    files = [f"{name}_{k}.png" for k in range(5) for name in ("left", "right")]
+    stamps = [k * STEP_NS + late for k in range(5) for late in (0, 1_000_000)]
+    (fault,) = faults_of_stamps(Path("times.csv"), files, stamps)
+    assert "from 1 to 99 ms" in fault.what
+    assert "two cameras" in fault.remedy
 
 
 def test_a_response_is_found_from_exposures_of_one_scene() -> None:

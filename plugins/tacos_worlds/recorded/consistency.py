@@ -19,26 +19,46 @@ _OVEREXPOSED = 0.5
 """Share of clipped samples from which a frame shows nothing that can be replayed [1]."""
 
 
-def faults_of_stamps(table: Path, files: Sequence[str], stamps_ns: Sequence[int]) -> Iterator[Fault]:
-    """Frames that were dropped or doubled, by the steps between stamps of one exposure."""
+def faults_of_stamps(table: Path, files: Sequence[str], stamps_ns: Sequence[int]) -> list[Fault]:
+    """Frames that were dropped or doubled, by the steps between stamps of one exposure.
+
+    Where a third of the steps are at fault it is one fault: the frames are of several cameras, or triggered.
+    """
     steps = np.diff(stamps_ns)
     usual = float(np.median(steps[steps > 0])) if np.any(steps > 0) else 0.0
+    found = []
     for first, second, step in zip(files, files[1:], steps, strict=False):
         where = f"{table}: {second}"
         if step == 0 or step < 0.5 * usual:
-            yield Fault(
-                where,
-                f"was taken {step * 1e-6:.1f} ms after {first}",
-                f"about {usual * 1e-6:.1f} ms: the frame is doubled",
-                "Take one of the two out.",
+            found.append(
+                Fault(
+                    where,
+                    f"was taken {step * 1e-6:.1f} ms after {first}",
+                    f"about {usual * 1e-6:.1f} ms: the frame is doubled",
+                    "Take one of the two out.",
+                )
             )
         elif step > 1.5 * usual:
-            yield Fault(
-                where,
-                f"was taken {step * 1e-6:.1f} ms after {first}",
-                f"about {usual * 1e-6:.1f} ms: frames were dropped between them ({round(step / usual) - 1})",
-                "Cut the recording there, and replay the longer part.",
+            found.append(
+                Fault(
+                    where,
+                    f"was taken {step * 1e-6:.1f} ms after {first}",
+                    f"about {usual * 1e-6:.1f} ms: frames were dropped between them "
+                    f"({round(step / usual) - 1})",
+                    "Cut the recording there, and replay the longer part.",
+                )
             )
+    if len(found) < 3 or len(found) < len(steps) / 3:
+        return found
+    least, most = steps.min() * 1e-6, steps.max() * 1e-6
+    return [
+        Fault(
+            f"{table}: {files[0]} and {len(files) - 1} more of its exposure",
+            f"were taken at uneven steps, from {least:.3g} to {most:.3g} ms",
+            "even steps, as one camera takes them",
+            "If two cameras are under one name, keep the frames of one.",
+        )
+    ]
 
 
 def overexposed(path: Path, frames: ExposedFrames, clipping_dn: NDArray[np.int64]) -> Fault | None:
