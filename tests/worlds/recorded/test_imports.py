@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from pathlib import Path
 
@@ -147,6 +148,15 @@ def test_folders_at_fault_are_refused(
     spoil(source)
     assert main(["recordings", "import", str(source), "--out", str(tmp_path / "out")]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_one_camera_of_a_pair_is_named_by_its_own_folder(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = euroc(tmp_path / "source")
+    shutil.copytree(source / "mav0" / "cam0", source / "mav0" / "cam1")
+    assert main(["recordings", "import", str(source), "--out", str(tmp_path / "out")]) == 2
+    assert f"Import {source / 'mav0' / 'cam0'} first." in capsys.readouterr().err
 
 
 def test_a_bag_without_rosbags_says_what_to_install(

@@ -29,9 +29,7 @@ def in_folder(folder: Path) -> FoundRecording:
     if len(cameras) > 1:
         names = ", ".join(path.name for path in cameras)
         what = f"holds {len(cameras)} cameras: {names}"
-        raise UserError(
-            Fault(str(folder), what, "one camera at a time", f"Import {folder / cameras[0].name} first.")
-        )
+        raise UserError(Fault(str(folder), what, "one camera at a time", f"Import {cameras[0]} first."))
     here = cameras[0] if cameras else folder
     if (here / "data.csv").is_file():
         return FoundRecording("EuRoC", tuple(_euroc(here)), _euroc_camera(here))
