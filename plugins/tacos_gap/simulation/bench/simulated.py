@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -34,6 +34,7 @@ from tacos_framework.formation import (
     captured,
 )
 from tacos_gap.captures import Board, Noise, RealCapture
+from tacos_gap.simulation.bench.fine_pictures import drawn_finer
 from tacos_gap.simulation.bench.light import dimmed, patches_of, repeated, velocity_of, without_world
 from tacos_gap.simulation.bench.settings import BenchSettings, BenchShot
 from tacos_gap.simulation.sensors import NODE, response_of
@@ -176,7 +177,7 @@ class CaptureBench:
             rendered: Rendered = renderer.capture(episode[:frames], **wanted)
             return rendered
 
-        return captured(renderer, self._rig, take)
+        return captured(renderer, self._rig, partial(drawn_finer, take) if shot.kind == "board" else take)
 
     def _context(self, shot: BenchShot, expected: Expected) -> ImageContext:
         view = expected.light.views[0]

@@ -87,7 +87,7 @@ def test_its_own_calibration_leaves_nothing_to_name(boards, effects):
     assert len(boards.captures) == len(PLACES)
     assert boards.captures[0].geometry.lens.coefficients == T265
     found = diagnosed(boards.captures, effects)
-    assert found.causes == [], "at most something unknown: corners of a rendered board lie up to .3 px off"
+    assert found.verdict == "no_gap"
 
 
 def test_another_first_coefficient_is_found_with_its_value(boards, effects):
@@ -99,8 +99,19 @@ def test_another_first_coefficient_is_found_with_its_value(boards, effects):
     assert interval[0] <= -0.02 <= interval[1]
 
 
+def test_all_coefficients_of_a_lens_taken_for_equidistant_are_found(boards, effects):
+    found = diagnosed(believing(boards.captures, lens=Lens("equidistant")), effects)
+    assert [cause.effect for cause in found.causes] == ["lens-distortion"]
+    for name, truth in zip(("k1", "k2", "k3", "k4"), T265, strict=True):
+        interval = found.causes[0].parameters[name].interval
+        assert interval is not None
+        assert interval[0] <= truth <= interval[1], name
+
+
 def test_another_principal_point_is_found_where_it_is(boards, effects):
     found = diagnosed(believing(boards.captures, centre_px=(CENTRE[0] - 3, CENTRE[1] + 1.5)), effects)
     assert [cause.effect for cause in found.causes] == ["focal-length-error"]
-    moved = [found.causes[0].parameters[name].value for name in ("dx_px", "dy_px")]
-    assert moved == pytest.approx([3.0, -1.5], abs=0.25)
+    for name, truth in (("dx_px", 3.0), ("dy_px", -1.5)):
+        interval = found.causes[0].parameters[name].interval
+        assert interval is not None
+        assert interval[0] <= truth <= interval[1], name
