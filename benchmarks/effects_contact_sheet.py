@@ -42,6 +42,7 @@ SHOWN: Mapping[str, Mapping[str, Any]] = {
     "flicker": {"depth": 0.4, "period_rows": 50.0},
     "auto-exposure": {"target_mlx_s": 4.0},
     "conversion-gain-error": {"scale": 30.0},
+    "conversion-gain-mode": {"noise_scale": 10.0},
     "prnu": {"sigma": 0.15},
     "dsnu": {"column_sigma_dn": 6.0},
     "dark-current": {"rate_dn_s": 500.0, "hot_share": 0.01, "hot_rate_dn_s": 3000.0},

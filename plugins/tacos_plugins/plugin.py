@@ -97,6 +97,10 @@ EFFECTS = {
         "conversion_gain_error:ConversionGainError",
         "Another slope of the photon-transfer curve: more or fewer electrons per digital number.",
     ),
+    "conversion-gain-mode": (
+        "conversion_gain_mode:ConversionGainMode",
+        "A second conversion gain from some gain on, with other noise in the dark.",
+    ),
     "prnu": ("prnu:Prnu", "Photosites that respond more or less than others, a pattern fixed to the sensor."),
     "dsnu": ("dsnu:Dsnu", "Photosites and columns with offsets of their own, a pattern fixed to the sensor."),
     "defect-lines": (

@@ -14,6 +14,8 @@ from tacos_framework.values import ImageContext, ImageGeometry
 
 LENGTH_UNITS = ("px", "row")
 """Units that count photosites along the image."""
+CHARGE_UNITS = ("e-", "e-/s")
+"""Units of charge, which a gain makes digital numbers of."""
 
 
 def image_units_per(

@@ -96,6 +96,8 @@ class EffectBase:
     photon_scale: float = 1.0
     """Factor on the variance of the photon noise, for an effect that changes the noise and not the
     signal."""
+    dark_scale: Callable[..., float] | None = None
+    """``dark_scale(context) -> float``: factor on the variance of the noise without light, at that gain."""
     source: Callable[..., Any] | None = None
     """Places at which pixels look in the image without the effect; see `Effect`."""
     source_at: Callable[..., Any] | None = None

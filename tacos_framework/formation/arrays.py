@@ -54,22 +54,27 @@ class SensorAt:
         rng: np.random.Generator,
         photon_scale: float,
         carried_dn2: NDArray[np.float32] | None = None,
+        dark_scale: float = 1.0,
     ) -> Samples:
         """See `tacos_framework.contracts.Sensor.draw`.
 
-        Of noise that the samples carry already, `carried_dn2` of variance, only the rest is added.
+        Of noise that the samples carry already, `carried_dn2` of variance, only the rest is added. The noise
+        without light has `dark_scale` of its variance.
         """
         with calling(self.use, doing="draw"):
             drawn = self.sensor.draw(
                 samples_dn, camera=self.camera, exposure=self.exposure, rng=rng, photon_scale=photon_scale
             )
             drawn = checked_samples(self.use, np.asarray(drawn, np.float32), samples_dn)
-            if carried_dn2 is None:
+            if carried_dn2 is None and dark_scale == 1.0:
                 return drawn
             mean_dn, variance_dn2 = self.sensor.moments(
                 samples_dn, camera=self.camera, exposure=self.exposure, photon_scale=photon_scale
             )
-        return without_carried(drawn, mean_dn, variance_dn2, carried_dn2)
+            black = np.full((1, 1, 1, samples_dn.shape[-1]), self.sensor.black_level_dn, np.float32)
+            _, dark_dn2 = self.sensor.moments(black, camera=self.camera, exposure=self.exposure)
+        left_out_dn2 = (0 if carried_dn2 is None else carried_dn2) + np.float32(1 - dark_scale) * dark_dn2
+        return without_carried(drawn, mean_dn, variance_dn2, left_out_dn2)
 
     def carried_dn2(
         self, light_cd_m2: NDArray[np.float32], noise_cd2_m4: NDArray[np.float32], expected_dn: Samples
@@ -100,7 +105,7 @@ def without_carried(
     [4.0]
     """
     noise = drawn_dn - mean_dn
-    left = np.clip(1 - carried_dn2 / np.maximum(variance_dn2, np.float32(1e-12)), 0, 1)
+    left = np.maximum(1 - carried_dn2 / np.maximum(variance_dn2, np.float32(1e-12)), 0)
     unsaturated = noise**2 <= _SATURATED**2 * variance_dn2
     return np.where(unsaturated, mean_dn + noise * np.sqrt(left), drawn_dn).astype(np.float32)
 
@@ -135,7 +140,7 @@ def form_files(
 
     signal = act(chain.pixel, expected_dn)
     rng = draws.rng(frame, "noise", sensor.name, geometry.camera)
-    samples = act(chain.readout, sensor.draw(signal, rng, chain.photon_scale, carried_dn2))
+    samples = act(chain.readout, sensor.draw(signal, rng, chain.photon_scale, carried_dn2, chain.dark_scale))
     files = digital(samples, context.white_level_dn)
     return digital(act(chain.files, files), context.white_level_dn) if chain.files else files
 

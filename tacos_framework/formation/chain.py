@@ -74,6 +74,7 @@ class EffectChain:
     readout: tuple[ActingEffect, ...] = ()
     files: tuple[ActingEffect, ...] = ()
     photon_scale: float = 1.0
+    dark_scale: float = 1.0
 
     @property
     def codes(self) -> bool:
@@ -102,12 +103,11 @@ class EffectChain:
             if config is not None:
                 effect = each.cls(in_image_units(config, each.use, geometry, context))
                 acting.append(ActingEffect(each.use, each.name, effect))
-        return cls.of_acting(acting)
+        return cls._of_acting(acting, context)
 
     @classmethod
-    def of_acting(cls, acting: Sequence[ActingEffect]) -> EffectChain:
-        """The chain of effects that are in the units of the image already, in any order."""
-        ordered = sorted(acting, key=lambda each: formation_order(type(each.effect)))
+    def _of_acting(cls, ordered: Sequence[ActingEffect], context: ImageContext) -> EffectChain:
+        """The chain of effects that are in the units of the image already, in order."""
 
         def stage(each: ActingEffect) -> str:
             return str(type(each.effect).stage)
@@ -121,4 +121,9 @@ class EffectChain:
             readout=tuple(each for each in inside if acts_after_noise(type(each.effect))),
             files=files,
             photon_scale=prod(optional(each.effect, EffectBase, "photon_scale") for each in ordered),
+            dark_scale=prod(
+                scale(context)
+                for each in ordered
+                if callable(scale := optional(each.effect, EffectBase, "dark_scale"))
+            ),
         )

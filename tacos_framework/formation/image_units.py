@@ -7,7 +7,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from tacos_framework.camera.units import LENGTH_UNITS, binned, image_units_per
+from tacos_framework.camera.exposure import gain_factor
+from tacos_framework.camera.units import CHARGE_UNITS, LENGTH_UNITS, binned, image_units_per
 from tacos_framework.errors import CandidateFailed
 from tacos_framework.settings import Settings, averaging_of, includes_pedestal, physical_settings, unit_of
 from tacos_framework.values import ImageContext, ImageGeometry
@@ -24,7 +25,7 @@ def in_image_units(config: Settings, use: str, geometry: ImageGeometry, context:
     Raises `CandidateFailed` where a value is out of bounds there, or the camera's conversion gain is not
     known.
     """
-    photosites = _in_photosites(config, use, geometry, context)
+    photosites = _in_photosites(_at_gain(config, context), use, geometry, context)
     if geometry.binning == 1.0:
         return photosites
     kind = type(config)
@@ -36,6 +37,19 @@ def in_image_units(config: Settings, use: str, geometry: ImageGeometry, context:
     }
     # Bounds are those of photosites: in binned pixels a length may well be shorter.
     return photosites.model_copy(update=changed) if changed else photosites
+
+
+def _at_gain(config: Settings, context: ImageContext) -> Settings:
+    """Settings whose digital numbers stand for charges, from the gain they are given at to the image's."""
+    if context.charges_at_db in (None, context.gain_db):
+        return config
+    factor, kind = gain_factor(context.gain_db - context.charges_at_db), type(config)
+    changed = {}
+    for name, image_name in physical_settings(kind).items():
+        if unit_of(kind, name) in CHARGE_UNITS and (value := getattr(config, image_name)) is not None:
+            pedestal = context.black_level_dn if includes_pedestal(kind, image_name) else 0.0
+            changed[image_name] = pedestal + (value - pedestal) * factor
+    return config.model_copy(update=changed)
 
 
 def _in_photosites(config: Settings, use: str, geometry: ImageGeometry, context: ImageContext) -> Settings:

@@ -164,6 +164,7 @@ OPTIONAL_CALLS: Mapping[str, tuple[Call, ...]] = {
         Call("source", (), ("geometry", "context", "frames")),
         Call("source_at", ("x_px", "y_px"), ("geometry",)),
         Call("moved_inverse_depth", ("near", "columns", "rows"), ("geometry",)),
+        Call("dark_scale", ("context",)),
         Call("on_view", ("light", "depth_m", "object_id"), ("geometry", "context")),
         Call("lacks", ("rig",)),
         Call("origins", ("camera",)),

@@ -10,7 +10,9 @@ from tacos_framework.values import Camera, Exposure
 
 
 class LinearSensor:
-    """30 DN per cd/m2 and photon noise of 10 electrons per DN, at 8 bits with a pedestal of 16 DN."""
+    """30 DN per cd/m2 in 8 bits above a pedestal of 16 DN; noise of photons (10 electrons per DN) and of 1 DN
+    without light.
+    """
 
     black_level_dn = 16.0
     white_level_dn = 255.0
@@ -23,7 +25,8 @@ class LinearSensor:
     ) -> tuple[Samples, Samples]:
         """See `tacos_framework.contracts.Sensor.moments`."""
         signal = np.maximum(samples_dn - np.float32(self.black_level_dn), 0)
-        return samples_dn, np.float32(0.1 * photon_scale / camera.binning**2) * signal
+        photosites = camera.binning**2
+        return samples_dn, np.float32(0.1 * photon_scale / photosites) * signal + np.float32(1 / photosites)
 
     def draw(
         self,

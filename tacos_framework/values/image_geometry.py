@@ -178,6 +178,10 @@ class ImageContext:
     """Colour filters of a mosaic from the top-left pixel on, ``"RGGB"``; None for full channels."""
     dn_per_electron: float | None = None
     """Samples per electron of a photosite [DN/e-]."""
+    charges_at_db: float | None = None
+    """Gain at which digital numbers in settings of effects stand for charges, which are other numbers at
+    another gain. That of the image if None [dB].
+    """
     memory: dict[str, Any] = field(default_factory=dict)
     """Memory of the effect from frame to frame of a sequence; empty at its first frame."""
 

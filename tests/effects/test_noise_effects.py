@@ -12,6 +12,7 @@ from tacos_framework.formation import PlacedEffect
 from tacos_framework.testing.forming import expose, placed
 from tacos_framework.testing.samples import sample_capture, sample_rig
 from tacos_plugins.effects.conversion_gain_error import ConversionGainError
+from tacos_plugins.effects.conversion_gain_mode import ConversionGainMode
 from tacos_plugins.effects.crosstalk import Crosstalk
 from tacos_plugins.effects.read_noise import ReadNoise
 from tacos_plugins.effects.row_noise import RowNoise
@@ -57,6 +58,21 @@ def test_conversion_gains_multiply_and_leave_samples_alone():
     assert photon_transfer_slope(one, two)[0] / slope == pytest.approx(3.0, rel=0.04)
     frames = flats()
     assert run(make(ConversionGainError, scale=1.5), frames) is frames
+
+
+@pytest.mark.parametrize(("from_db", "scale"), [(0.0, 0.6), (50.0, 1.0)])
+def test_a_mode_changes_the_noise_without_light_from_its_gain_on(from_db, scale):
+    slope, intercept, mean = photon_transfer_slope()
+    other = photon_transfer_slope(placed(ConversionGainMode, from_db=from_db, noise_scale=0.6))
+    assert other[0] / slope == pytest.approx(1.0, rel=0.02)
+    dark_dn2 = intercept - 1 / 12  # of rounding
+    assert other[1] - intercept == pytest.approx((scale**2 - 1) * dark_dn2, abs=0.05 * intercept)
+    assert other[2] == pytest.approx(mean, abs=0.05)
+
+
+def test_noise_after_the_gain_adds_to_that_before_it():
+    seen = run(make(ReadNoise, sigma_dn=3.0, after_gain_dn=4.0), flats(100.0, 0.0))
+    assert seen.std() == pytest.approx(5.0, rel=0.02)
 
 
 def test_saturated_samples_pile_up_at_the_level():

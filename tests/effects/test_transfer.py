@@ -124,6 +124,7 @@ CASES: dict[tuple[str, str], Case] = {
     ("sharpening", "radius_px"): Case(3.0, contrast, {"amount": 2.0}, in_bars=True, excess=False),
     ("flicker", "period_rows"): Case(48.0, row_wave, {"depth": 0.4}, frames=4, excess=False),
     ("read-noise", "sigma_dn"): Case(30 * K, temporal_variance, **NOISE),
+    ("read-noise", "after_gain_dn"): Case(400.0, temporal_variance, **NOISE),
     ("row-noise", "sigma_dn"): Case(8 * K, row_variance, size=(240, 48), electrons=100.0, frames=150),
     ("row-noise", "column_sigma_dn"): Case(
         8 * K, column_variance, size=(48, 240), electrons=100.0, frames=150
@@ -144,7 +145,7 @@ CASES: dict[tuple[str, str], Case] = {
     ("crosstalk", "share"): Case(0.03, neighbours, frames=30),
 }
 """Every parameter that counts pixels, rows or digital numbers, or a spread of photosites."""
-WHOLE_FILE = {("quantisation", "step_dn"), ("black-level", "offset_dn")}
+WHOLE_FILE = {("quantisation", "step_dn"), ("black-level", "offset_dn"), ("read-noise", "after_gain_dn")}
 """Those that belong to the codes of the file."""
 SHIPPED = [each.component for each in Plugins.discover() if each.distribution == "tacos-framework"]
 EFFECTS = {c.name: c.load() for c in SHIPPED if c.kind == "effect"}

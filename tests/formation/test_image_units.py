@@ -105,3 +105,11 @@ def test_to_physical_and_back_is_where_it_began(value: float, pitch: float, gain
 def test_nothing_physical_is_said_where_the_gain_is_not_known() -> None:
     found = physical_settings_of(Config, {"sigma_dn": 1.0, "radius_px": 1.0}, geometry(), ImageContext())
     assert found == {"radius_px": ("radius_um", pytest.approx(3.0))}
+
+
+def test_charges_in_digital_numbers_grow_with_the_gain():
+    """Those found at 6 dB, at 26 dB: ten times as many; levels above the pedestal, lengths as they are."""
+    at = ImageContext(gain_db=26.0, charges_at_db=6.0, dn_per_electron=2.0, black_level_dn=16.0)
+    found = in_image_units(Config(sigma_dn=1.5, level_dn=20.0, radius_px=2.0), "effect.toy", geometry(), at)
+    assert (found.sigma_dn, found.level_dn, found.radius_px) == (15.0, 56.0, 2.0)
+    assert in_image_units(Config(sigma_e=3.0), "effect.toy", geometry(), at).sigma_dn == 6.0

@@ -14,6 +14,7 @@ from tacos_plugins.effects.auto_white_balance import AutoWhiteBalance
 from tacos_plugins.effects.black_level import BlackLevel
 from tacos_plugins.effects.colour_matrix import ColourMatrix
 from tacos_plugins.effects.conversion_gain_error import ConversionGainError
+from tacos_plugins.effects.conversion_gain_mode import ConversionGainMode
 from tacos_plugins.effects.crosstalk import Crosstalk
 from tacos_plugins.effects.dark_current import DarkCurrent
 from tacos_plugins.effects.defect_lines import DefectLines
@@ -189,6 +190,11 @@ class TestColourMatrix(EffectConformance):
 class TestConversionGainError(EffectConformance):
     component = ConversionGainError
     config = {"scale": 1.3}
+
+
+class TestConversionGainMode(EffectConformance):
+    component = ConversionGainMode
+    config = {"noise_scale": 0.5}
 
 
 class TestCrosstalk(EffectConformance):

@@ -12,6 +12,7 @@ from tacos_framework import ImageContext, ImageGeometry, Settings, to_yaml, unit
 from tacos_gap.answer.findings import Cause, Parameter, Physical, as_fine_as, short
 from tacos_gap.answer.physical_settings import physical_settings_of
 from tacos_gap.captures import RealCapture
+from tacos_gap.captures.capture import usual_gain_db
 from tacos_gap.simulation.sensors import sensor_at
 
 HEAD = "# Effects that close the gap; add them to a recipe: tacos-run RECIPE --with patched.yaml\n"
@@ -31,9 +32,8 @@ class Photographed:
 
         Where noise was estimated, each capture has a conversion gain of its own: the middle one counts.
         """
-        gains = [capture.context.gain_db for capture in captures]
-        usual = max(gains, key=gains.count)
-        chosen = [capture for capture in captures if capture.context.gain_db == usual]
+        usual_db = usual_gain_db(captures)
+        chosen = [capture for capture in captures if capture.context.gain_db == usual_db]
         shown = sorted(chosen, key=lambda c: (not c.is_structured, c.kind == "dark"))
         known = [gain for c in chosen if (gain := sensor_at(c).context.dn_per_electron)]
         gain = float(np.median(known)) if known else None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -144,3 +145,9 @@ class CaptureFolder:
     path: Path
     captures: tuple[RealCapture, ...]
     limitations: tuple[str, ...] = field(default=())
+
+
+def usual_gain_db(captures: Sequence[RealCapture]) -> float:
+    """The gain that most captures were taken at: charges in digital numbers hold there [dB]."""
+    gains = [capture.context.gain_db for capture in captures]
+    return max(gains, key=gains.count)

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import Document, Fault, ImageContext, ImageGeometry, UserError, check, read_yaml
-from tacos_gap.captures.capture import Board, CaptureFolder, Noise, Objects, RealCapture
+from tacos_gap.captures.capture import (
+    Board,
+    CaptureFolder,
+    Noise,
+    Objects,
+    RealCapture,
+    usual_gain_db,
+)
 from tacos_gap.captures.doubts import doubt_of_files, doubts
 from tacos_gap.captures.entries import BoardEntry, CaptureEntry, FolderEntry
 from tacos_gap.captures.expected_values import ExpectedValues, Render
@@ -50,6 +58,9 @@ def read_captures(folder: str | Path, render: Render | None = None) -> CaptureFo
     usable, left_out = with_own_expectations(captures)
     if not usable:
         raise UserError([Fault(reader.where_of[text.partition(": ")[0]], text) for text in left_out])
+    if len({capture.context.gain_db for capture in usable}) > 1:
+        usual_db = usual_gain_db(usable)
+        usable = tuple(replace(c, context=replace(c.context, charges_at_db=usual_db)) for c in usable)
     return CaptureFolder(path.parent, usable, (*limits, *time_doubts(listed), *doubts(captures), *left_out))
 
 

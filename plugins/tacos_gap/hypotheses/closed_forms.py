@@ -11,6 +11,7 @@ from typing import Any, Literal
 
 from tacos_framework import EffectBase, Estimate, calling, optional, unit_of
 from tacos_gap.captures import RealCapture
+from tacos_gap.captures.capture import usual_gain_db
 from tacos_gap.hypotheses.parameters import HypothesisTerm, initial_guesses_of
 
 
@@ -43,7 +44,10 @@ class ClosedForm:
 
 
 def closed_forms(effects: Mapping[str, type[Any]], captures: Sequence[RealCapture]) -> tuple[ClosedForm, ...]:
-    return tuple(form for name, cls in effects.items() for form in _of(name, cls, captures))
+    """By the captures at the gain that most have: levels in digital numbers are those of one gain."""
+    usual_db = usual_gain_db(captures)
+    at_one_gain = [capture for capture in captures if capture.context.gain_db == usual_db]
+    return tuple(form for name, cls in effects.items() for form in _of(name, cls, at_one_gain))
 
 
 def _of(name: str, cls: type[Any], captures: Sequence[RealCapture]) -> Iterator[ClosedForm]:

@@ -242,12 +242,12 @@ def _where_known(chain: EffectChain) -> EffectChain:
     def lenient(acting: Sequence[ActingEffect]) -> tuple[ActingEffect, ...]:
         return tuple(_WhereKnown(each.use, each.name, each.effect) for each in acting)
 
-    return EffectChain(
+    return replace(
+        chain,
         light=lenient(chain.light),
         pixel=lenient(chain.pixel),
         readout=lenient(chain.readout),
         files=lenient(chain.files),
-        photon_scale=chain.photon_scale,
     )
 
 

@@ -134,6 +134,11 @@ def two_dark_exposures(captures: Captures) -> bool:
     return len({capture.context.exposure_s for capture in of_kind(captures, "dark")}) > 1
 
 
+def two_gains(captures: Captures) -> bool:
+    even = of_kind(captures, "dark", "flat", "bracket")
+    return len({capture.context.gain_db for capture in even}) > 1
+
+
 def a_series_of_exposures(captures: Captures) -> bool:
     """A bracket of `FEWEST_TIMES` exposure times or more in one group."""
     groups: dict[str, set[float]] = {}

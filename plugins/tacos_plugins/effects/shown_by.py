@@ -16,12 +16,14 @@ from tacos_plugins.effects.observations import (
     repeated,
     structured_of_kind,
     two_dark_exposures,
+    two_gains,
     views_of_a_board,
 )
 from tacos_plugins.effects.settling import FEWEST_FRAMES, a_drift_could_show
 
 DARK = ShownBy(any_of_kind("dark"), "kind dark: frames with the cap on")
 DARKS_OF_TWO_TIMES = ShownBy(two_dark_exposures, "kind dark at a second, ten times longer exposure")
+TWO_GAINS = ShownBy(two_gains, "kind dark or flat at two gains (gain_db) or more")
 EVEN_FIELD = ShownBy(any_of_kind("dark", "flat", "bracket"), "kind dark or flat: an even field")
 FLAT = ShownBy(any_of_kind("flat", "bracket"), "kind flat: frames of an even surface")
 REPEATED_FLAT = ShownBy(

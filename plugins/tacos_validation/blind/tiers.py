@@ -77,14 +77,21 @@ def _drafts(counts: Counts, rng: np.random.Generator, full_set: str) -> Iterator
         for severity in counts.ladder:
             for _ in range(counts.charts):
                 asked = {"severity": severity, "scored_on_fresh": severity == strongest}
-                yield {"tier": "T1", "effects": (name,), "captures": full_set, **asked}
+                yield {"tier": "T1", "effects": (name,), "captures": _shows(name, full_set), **asked}
         for _ in range(counts.field):
-            yield {"tier": "T1", "effects": (name,), "severity": None, "captures": full_set}
+            yield {
+                "tier": "T1",
+                "effects": (name,),
+                "severity": None,
+                "captures": _shows(name, full_set),
+            }
         for _ in range(counts.natural if CATALOGUE[name].natural else 0):
             yield {"tier": "T1", "effects": (name,), "severity": strongest, "captures": "natural"}
     for name in islice(cycle(rng.permutation(effects).tolist()), counts.t3):
-        yield {"tier": "T3", "effects": (name,), "removed": (name,), **full}
-    for _ in range(counts.t2):
+        own = {**full, "captures": _shows(name, full_set)}
+        yield {"tier": "T3", "effects": (name,), "removed": (name,), **own}
+    effects = tuple(name for name in effects if not CATALOGUE[name].captures)
+    for _ in range(counts.t2 if effects else 0):
         mixed = _mixture(effects, rng)
         yield {"tier": "T2", "effects": mixed, "scored_on_fresh": True, **full}
     for maker in available():
@@ -98,6 +105,11 @@ def _drafts(counts: Counts, rng: np.random.Generator, full_set: str) -> Iterator
                 yield {"tier": "T6", "effects": (members.truth,), "severity": strongest, "notes": notes}
 
     yield from _beside_nuisances(counts, effects, rng, full_set)
+
+
+def _shows(effect: str, full_set: str) -> str:
+    """The set of captures for an effect."""
+    return CATALOGUE[effect].captures or full_set
 
 
 def _beside_nuisances(

@@ -48,6 +48,7 @@ def same(first, second) -> bool:
 def assert_round_trip(folder, *captures) -> None:
     write_captures(folder, captures)
     for written, read in zip(captures, read_captures(folder).captures, strict=True):
+        read = replace(read, context=replace(read.context, charges_at_db=None))  # of the folder
         wrong = [
             f.name for f in fields(RealCapture) if not same(getattr(written, f.name), getattr(read, f.name))
         ]

@@ -12,6 +12,7 @@ import pytest
 from tacos_framework.camera.exposure import exposure_per_luminance
 from tacos_framework.contracts import Stage
 from tacos_framework.formation import EpisodeDraws, PlacedEffect, PlacedSensor
+from tacos_framework.formation.views import light_context
 from tacos_framework.plan import Plan, make_plan
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe
@@ -40,11 +41,13 @@ EMVA = {
     "bit_depth": 8,
 }
 EFFECTS: tuple[dict[str, Any], ...] = (
+    {"use": "effect.lens"},
     {"use": "effect.vignetting", "k1": -0.3},
     {"use": "effect.defocus", "radius_px": 1.2},
     {"use": "effect.flicker", "depth": 0.1, "period_rows": 20.0},
     {"use": "effect.prnu", "sigma": 0.02},
-    {"use": "effect.read-noise", "sigma_dn": 1.5},
+    {"use": "effect.conversion-gain-mode", "from_db": 12.0, "noise_scale": 0.5},
+    {"use": "effect.read-noise", "sigma_dn": 1.5, "after_gain_dn": 2.0},
     {"use": "effect.row-noise", "sigma_dn": 1.0},
     {"use": "effect.jpeg", "quality": 80},
 )
@@ -121,7 +124,7 @@ def exact_emva(plugins: Plugins) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("name", ["affine", "emva"])
-@pytest.mark.parametrize("count", [0, 1, 3, len(EFFECTS)])
+@pytest.mark.parametrize("count", [0, 1, 4, len(EFFECTS)])
 def test_a_study_and_a_diagnosis_simulate_the_same_bits(name, count, plugins):
     sensor = AFFINE if name == "affine" else exact_emva(plugins)
     effects = EFFECTS[:count]
@@ -135,6 +138,36 @@ def test_a_study_and_a_diagnosis_simulate_the_same_bits(name, count, plugins):
     simulated = simulate(expected, same, EpisodeDraws(spec.seed, spec.name))
     assert frames.min() < 0.5 * frames.max() < 120, "levels apart, and nothing saturates"
     np.testing.assert_array_equal(simulated, frames.astype(np.float32))
+
+
+MOTIONS: tuple[dict[str, Any], ...] = (
+    {"use": "effect.motion"},
+    {"use": "effect.motion", "shutter": "rolling", "row_time_us": 100.0},
+)
+
+
+@pytest.mark.parametrize("motion", MOTIONS, ids=["global", "rolling"])
+@pytest.mark.parametrize("known", ["motion", "velocity_px_s"])
+def test_motion_is_the_same_by_poses_and_but_for_rounding_by_velocities(motion, known, plugins):
+    """A study knows poses, captures a velocity of each pixel; the first frame of both."""
+    spec = EpisodeSpec(11, ("design", 2), FRAMES)
+    plan = study(AFFINE, (motion, {"use": "effect.lens"}), plugins)
+    files = frames_of(plan, spec)[0].images[0].astype(np.float32)
+    still = frames_of(study(AFFINE, (), plugins), spec)[:1]
+    part = plan.nodes[NODE]
+    expected = of_study(still, PlacedSensor(part.use, NODE, part.make()))
+    of_view = light_context(still[0].capture.views[0], still[0].capture.episode, Exposure(0.010, 2.0, 15.0))
+    moving = replace(
+        expected.context, reference_row=of_view.reference_row, **{known: getattr(of_view, known)}
+    )
+    if known == "velocity_px_s":
+        moving = replace(moving, velocity_px_s=moving.known_velocity_px_s("effect.motion"))
+    same = [PlacedEffect(p.use, getattr(p, "name", "") or p.use, p.cls, p.config) for p in plan.effects]
+    simulated = simulate(replace(expected, context=moving), same, EpisodeDraws(spec.seed, spec.name))
+    assert np.abs(simulated - files).max() <= (0 if known == "motion" else 1)
+    assert (simulated != files).mean() < 1e-3
+    unmoved = simulate(expected, same[1:], EpisodeDraws(spec.seed, spec.name))
+    assert np.abs(unmoved - files).max() > 3
 
 
 # frames of a still ----------------------------------------------------------------------------------------

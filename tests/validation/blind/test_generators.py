@@ -64,7 +64,7 @@ def test_a_neutral_effect_is_none(effect: InjectedEffect) -> None:
 
 
 def test_all_of_the_catalogue_has_a_maker() -> None:
-    assert len(CATALOGUE) == 33
+    assert len(CATALOGUE) == 34
     for name, entry in CATALOGUE.items():
         effect = entry.build(entry.field[1], np.random.default_rng(0))
         assert effect.name == name

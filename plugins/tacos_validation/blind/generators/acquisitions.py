@@ -12,6 +12,7 @@ from tacos_validation.blind.generators.camera import IdealCamera, IdealShot, dar
 from tacos_validation.blind.generators.image_formation import moved
 
 FRAME_INTERVAL_MS = 33.0
+HIGH_GAIN_DB = 12.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +64,19 @@ def natural(camera: IdealCamera, rng: np.random.Generator) -> list[Acquisition]:
 def smallest(camera: IdealCamera, rng: np.random.Generator) -> list[Acquisition]:
     """A dark, two flats and a scene: for tests."""
     return [*darks(camera, (10.0,)), *flats(camera, rng, (0.2, 0.6)), *scenes(camera, rng, 1)]
+
+
+def two_gains(camera: IdealCamera, rng: np.random.Generator) -> list[Acquisition]:
+    """Caps and walls at 0 dB and at `HIGH_GAIN_DB`, and a scene."""
+    walls = (0.15, 0.5)
+    high = [*darks(camera, (10.0,)), *flats(camera, rng, walls)]
+    low = [*darks(camera, (10.0,)), *flats(camera, rng, walls), *scenes(camera, rng, 1)]
+    return [*low, *(_at_gain(each, HIGH_GAIN_DB) for each in high)]
+
+
+def _at_gain(taken: Acquisition, gain_db: float) -> Acquisition:
+    shots = tuple(replace(shot, gain_db=gain_db) for shot in taken.shots)
+    return replace(taken, id=f"{taken.id}_{gain_db:g}db", shots=shots)
 
 
 def darks(camera: IdealCamera, times_ms: Sequence[float], frames: int = 4) -> Iterator[Acquisition]:
@@ -135,5 +149,6 @@ SETS: Mapping[str, Callable[[IdealCamera, np.random.Generator], list[Acquisition
     "charts": charts,
     "natural": natural,
     "smallest": smallest,
+    "two_gains": two_gains,
 }
 """Sets of captures by name."""

@@ -62,7 +62,13 @@ class IdealShot:
     exposure_ms: float
     velocity_px_s: tuple[float, float] = (0.0, 0.0)
     depth_m: float = 1.0
+    gain_db: float = 0.0
     has_pose: bool = True  # whether the simulator claims to know the pose; of a board it does not
+
+    @property
+    def gain(self) -> float:
+        """Factor on the digital numbers of the camera, and on its noise, by the gain [1]."""
+        return float(10 ** (self.gain_db / 20))
 
 
 def dark(x: Image, y: Image, channel: int) -> Image:

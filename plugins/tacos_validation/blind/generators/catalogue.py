@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -30,6 +31,7 @@ class Withheld:
     colour: bool = False
     natural: bool = True
     """True if pictures of natural scenes alone can tell it: no dark frames, no exposure series, no boards."""
+    captures: str = ""  # the set of captures that shows it; any if empty
 
 
 def _sign(rng: np.random.Generator) -> float:
@@ -179,5 +181,9 @@ CATALOGUE: Mapping[str, Withheld] = {
     "tone-curve": Withheld(lambda a, r: processing.InjectedToneCurve(_factor(a, r)), (0.03, 0.8), 0.8),
     "jpeg": Withheld(_jpeg, (0.0, 48.0), 80.0),
     "pose-error": Withheld(_pose_error, (0.05, 0.5), 2.0),
+    "conversion-gain-mode": Withheld(
+        lambda a, r: sensor.InjectedConversionGainMode(math.exp(-a), 6.0), (0.2, 1.0), 1.5,
+        natural=False, captures="two_gains",
+    ),
 }  # fmt: skip
 """All effects of the catalogue, by name."""

@@ -54,7 +54,14 @@ def write_folder(
             "black_level_dn": camera.black_dn,
             "channels": camera.channels,
         },
-        "noise": {"photon_dn": camera.photon_dn, "thermal_dn2": camera.thermal_dn2},
+        "noise": [
+            {
+                "gain_db": shot.gain_db,
+                "photon_dn": camera.photon_dn * shot.gain,
+                "thermal_dn2": camera.thermal_dn2 * shot.gain**2,
+            }
+            for shot in {each.shots[0].gain_db: each.shots[0] for each in acquisitions}.values()
+        ],
         "captures": captures,
     }
     (folder / "captures.yaml").write_text(yaml.safe_dump(data, sort_keys=False), "utf-8")
@@ -81,6 +88,7 @@ def _capture(
         "kind": acquisition.kind,
         "real": names,
         "exposure_ms": shot.exposure_ms,
+        **({"gain_db": shot.gain_db} if shot.gain_db else {}),
         **off.declared,
     }
     if acquisition.kind not in ("dark", "board"):

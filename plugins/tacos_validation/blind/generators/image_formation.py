@@ -67,10 +67,12 @@ def _frame(
     mean = light
     for effect in effects:
         mean = effect.charge(mean, shot, _sensor(sensor_seed, effect.name))
-    gain = camera.photon_dn * float(np.prod([effect.photon_factor for effect in effects]))
+    gain = camera.photon_dn * shot.gain * float(np.prod([effect.photon_factor for effect in effects]))
     electrons = rng.poisson(np.maximum(mean, 0) / gain)
     samples = electrons * gain + np.minimum(mean, 0)
-    samples = samples + rng.normal(camera.black_dn, np.sqrt(camera.thermal_dn2), size=samples.shape)
+    dark_factor = float(np.prod([effect.dark_factor(shot) for effect in effects]))
+    dark_dn = np.sqrt(camera.thermal_dn2) * shot.gain * dark_factor
+    samples = samples + rng.normal(camera.black_dn, dark_dn, size=samples.shape)
     for effect in effects:
         samples = effect.samples(samples, shot, rng)
     codes = np.clip(np.floor(samples + 0.5), 0, camera.white_dn)

@@ -32,6 +32,10 @@ class InjectedEffect:
         """Factor on the digital numbers per electron, at the same mean."""
         return 1.0
 
+    def dark_factor(self, shot: IdealShot) -> float:
+        """Factor on the noise without light."""
+        return 1.0
+
     def rays(self, x: Image, y: Image, channel: int, shot: IdealShot, row: Image) -> tuple[Image, Image]:
         """Origin, in the ideal image, of the light that arrives at (x, y); `row` is read there."""
         return x, y

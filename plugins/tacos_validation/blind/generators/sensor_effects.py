@@ -20,6 +20,21 @@ class InjectedConversionGainError(InjectedEffect, name="conversion-gain-error"):
         return self.scale
 
 
+class InjectedConversionGainMode(InjectedEffect, name="conversion-gain-mode"):
+    """Other noise in the dark from a gain on."""
+
+    noise_scale: float = 1.0
+    from_db: float = 0.0
+
+    def dark_factor(self, shot: IdealShot) -> float:
+        return self.noise_scale if shot.gain_db >= self.from_db else 1.0
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """The scale; captures tell of the gain only that it lies between two of theirs."""
+        return {"noise_scale": self.noise_scale}
+
+
 class InjectedPrnu(InjectedEffect, name="prnu"):
     """Pixels that respond more or less than others."""
 
@@ -110,12 +125,18 @@ class InjectedNonlinearity(InjectedEffect, name="nonlinearity", place=2):
 
 
 class InjectedReadNoise(InjectedEffect, name="read-noise", place=3):
-    """Noise added to every sample."""
+    """Noise added to every sample, before the gain and after it."""
 
-    sigma_dn: float = 0.0
+    sigma_dn: float = 0.0  # at 0 dB
+    after_gain_dn: float = 0.0
 
     def samples(self, samples: Image, shot: IdealShot, rng: np.random.Generator) -> Image:
-        return samples + rng.normal(0.0, self.sigma_dn, size=samples.shape)
+        sigma_dn = np.hypot(self.sigma_dn * shot.gain, self.after_gain_dn)
+        return samples + rng.normal(0.0, sigma_dn, size=samples.shape)
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        return {name: value for name, value in vars(self).items() if value}
 
 
 class InjectedRowNoise(InjectedEffect, name="row-noise", place=4):
