@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -22,6 +24,7 @@ from tacos_plugins.effects.sharpening import Sharpening
 from tacos_plugins.effects.tone_curve import ToneCurve
 from tacos_plugins.effects.white_balance import WhiteBalance
 from tests.effects.sample_arrays import BLACK_DN, WHITE_DN, flats, make, neighbour_correlation, run
+from tests.gap.taken import capture
 
 FULL_SCALE_DN = WHITE_DN - BLACK_DN
 RAMP_DN = np.linspace(BLACK_DN, WHITE_DN, 240).reshape(1, 1, -1, 1)
@@ -44,6 +47,32 @@ def test_quantisation_leaves_a_comb():
     error = run(make(Quantisation, step_dn=4.0), SCENE_DN) - SCENE_DN
     assert np.abs(error).max() <= 2
     assert error.var() == pytest.approx(16 / 12, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("table", "step_dn"),
+    [
+        (np.arange(64) * 4, 4.0),  # six bits of eight, shifted up
+        (np.arange(64) * 4 + np.arange(64) // 16, 255 / 63),  # ... their highest repeated below, as GPUs do
+        (np.rint(np.arange(64) * 255 / 63), 255 / 63),
+        (np.rint(np.arange(100) * 255 / 99), 255 / 99),
+    ],
+)
+def test_the_step_of_a_coarser_converter_is_read_off_the_codes_in_use(table, step_dn):
+    codes = table[np.random.default_rng(1).integers(0, len(table), (1, 60, 80, 1))]
+    (found,) = Quantisation.estimate_from(
+        [replace(capture("scene", 100.0), real_dn=codes.astype(np.float32))]
+    )
+    assert found.value == pytest.approx(step_dn, abs=0.03)
+    assert found.is_seen(1.0)
+
+
+def test_codes_that_a_tone_curve_spreads_are_no_coarser_converter():
+    spread = np.rint(255 * (np.arange(256) / 255) ** (1 / 2.2))
+    codes = spread[np.random.default_rng(1).integers(0, 90, (1, 60, 80, 1))]
+    assert not list(
+        Quantisation.estimate_from([replace(capture("scene", 100.0), real_dn=codes.astype(np.float32))])
+    )
 
 
 def test_rounding_down_darkens_by_half_a_step():

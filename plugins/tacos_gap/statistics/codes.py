@@ -74,10 +74,10 @@ def _comb(histogram: NDArray[np.int64]) -> NDArray[np.float64]:
     low = int(used[0])
     high = int(np.searchsorted(np.cumsum(histogram), 0.98 * total))
     inside = histogram[low : high + 1].astype(np.float64)
-    if len(inside) < 8 or inside.sum() == 0:
-        return np.zeros(len(PERIODS) + 1)
-    codes = np.arange(len(inside))
-    strengths = [abs(np.sum(inside * np.exp(2j * np.pi * codes / p))) / inside.sum() for p in PERIODS]
-    expected = inside.sum() / len(inside)
-    empty = float(np.mean(inside == 0)) if expected > 20 else 0.0
+    strengths = np.zeros(len(PERIODS))
+    if len(inside) >= max(PERIODS) and inside.any():
+        codes = np.arange(len(inside))
+        waves = np.exp(2j * np.pi * np.outer(1 / np.array(PERIODS), codes))
+        strengths = np.abs(waves @ inside) / inside.sum()
+    empty = float(np.mean(inside == 0)) if inside.sum() > 20 * len(inside) else 0.0  # even of a quiet wall
     return np.array([*strengths, empty])

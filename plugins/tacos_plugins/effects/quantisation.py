@@ -3,12 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from tacos_framework import ImageContext, ImageGeometry, Settings, Stage, physical, setting
+from tacos_framework import (
+    Captures,
+    Estimate,
+    ImageContext,
+    ImageGeometry,
+    Settings,
+    Stage,
+    physical,
+    setting,
+)
+from tacos_plugins.effects.code_steps import code_step_dn
 from tacos_plugins.effects.samples import Moments, Samples
 
 
@@ -49,6 +59,19 @@ class Quantisation:
 
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @classmethod
+    def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
+        """Distance of the codes that the files use, to the nearest or downwards."""
+        if found := code_step_dn(captures):
+            yield {"step_dn": found.value}
+            yield {"step_dn": found.value, "rounding": "floor"}
+
+    @classmethod
+    def estimate_from(cls, captures: Captures) -> Iterator[Estimate]:
+        """The same; nothing where all codes are used, since rounding downwards leaves none empty."""
+        if found := code_step_dn(captures):
+            yield Estimate("step_dn", *found, negligible=0.5)
 
     def on_array(
         self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
