@@ -20,6 +20,12 @@ _CENSORED = 0.6
 
 _NOISE_DN = 3.0
 _LEAST_DN2 = 0.01
+_MEDIAN_TO_SPREAD = 1.4826
+"""Standard deviation of normal values over their median absolute value."""
+
+_STILL = 4.0
+"""Spreads of the means of lines beyond which something moved there."""
+
 _LAPLACIAN_GAIN = 36.0
 """Sum of squares of the kernel [[1, -2, 1], [-2, 4, -2], [1, -2, 1]] (Immerkaer 1996)."""
 
@@ -62,6 +68,10 @@ def estimate_noise(capture: RealCapture) -> Noise:
         if static and signal.size and are_whole(plane):
             level_dn = float(signal.mean()) + black_level_dn if not slope else 0.0
             intercept = max(before_rounding(intercept, level_dn), _LEAST_DN2)
+        if static:
+            first, second = real_dn[:2, ..., channel].astype(np.float64)
+            shared = line_variance_dn2((first - second) / np.sqrt(2), inside)
+            intercept = max(intercept - shared, _LEAST_DN2)
         photon.append(slope)
         thermal.append(intercept)
     return Noise(tuple(photon), tuple(thermal), known=False)
@@ -79,6 +89,28 @@ def thinned(images: NDArray[Any]) -> NDArray[Any]:
     while width % step == 0:  # else it stays within some columns
         step += 2
     return images.reshape(*images.shape[:-3], 1, height * width, channels)[..., ::step, :]
+
+
+def line_variance_dn2(noise: NDArray[np.float64], inside: NDArray[np.bool_]) -> float:
+    """Variance of the offsets that pixels of a row or a column share in one frame, both together [DN^2].
+
+    That of their means, beyond what pixels by themselves give. Rows that jump, and a lamp that flickers, are
+    no noise of pixels, and are found as what they are. Lines that something moved through count for nothing.
+
+    `noise`, `inside`: (H, W) noise of a frame, and the pixels that count.
+    """
+    found = 0.0
+    for axis in (0, 1):
+        count = inside.sum(axis=axis)
+        enough = count > max(0.5 * count.max(), 1)
+        if enough.sum() < 2:
+            continue
+        means = np.where(inside, noise, 0.0).sum(axis=axis)[enough] / count[enough]
+        off = means - np.median(means)
+        still = np.abs(off) <= _STILL * _MEDIAN_TO_SPREAD * np.median(np.abs(off))
+        independent = float(np.var(noise[inside])) / float(count[enough].mean())
+        found += max(float(np.mean(off[still] ** 2)) - independent, 0.0)
+    return found
 
 
 def _censored_variance(samples: NDArray[np.float32]) -> float:

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.captures.capture import Noise, RealCapture
-from tacos_gap.captures.noise_estimate import thinned
+from tacos_gap.captures.noise_estimate import line_variance_dn2, thinned
 from tacos_gap.captures.rounding import are_whole, before_rounding
+from tacos_plugins.effects.code_steps import code_step_dn
 
 LEAST_SPAN = 0.1
 """Range of levels over full scale below which a slope is not told from its intercept."""
@@ -38,9 +39,12 @@ def pooled_noise(captures: Sequence[RealCapture]) -> Noise | None:
     still = [each for each in captures if each.frames > 1 and each.kind != "sequence"]
     if not still:
         return None
+    step = code_step_dn(still)
+    step_dn = step.value if step else 1.0
     photon, thermal = [], []
     for channel, zero in enumerate(zero_levels_dn(captures).tolist()):
-        points = np.array([point for each in still for point in _points(each, channel, zero)]).reshape(-1, 3)
+        found = [point for each in still for point in _points(each, channel, zero, step_dn)]
+        points = np.array(found).reshape(-1, 3)
         span = still[0].context.white_level_dn - still[0].context.black_level_dn
         if len(points) < 2 or np.ptp(points[:, 0]) < LEAST_SPAN * span:
             return None
@@ -66,13 +70,20 @@ def zero_levels_dn(captures: Sequence[RealCapture]) -> NDArray[np.float64]:
     return np.full(captures[0].real_dn.shape[-1], captures[0].context.black_level_dn, np.float64)
 
 
-def _points(capture: RealCapture, channel: int, zero_dn: float) -> list[tuple[float, float, float]]:
-    """Signal above `zero_dn`, variance and number of pixels of each bin of level [DN, DN^2, 1]."""
+def _points(
+    capture: RealCapture, channel: int, zero_dn: float, step_dn: float
+) -> list[tuple[float, float, float]]:
+    """Signal above `zero_dn`, variance and number of pixels of each bin of level [DN, DN^2, 1].
+
+    All is counted in the codes of a coarser converter meanwhile, `step_dn` apart: it rounds by these.
+    """
     pair = thinned(capture.real_dn[:2, ..., channel : channel + 1])
+    if step_dn > 1:
+        pair = np.rint(pair / step_dn)
     first, second = pair[..., 0].astype(np.float64)
-    context = capture.context
-    mean = (first + second) / 2 - zero_dn
-    span = context.white_level_dn - zero_dn
+    zero = zero_dn / step_dn
+    mean = (first + second) / 2 - zero
+    span = capture.context.white_level_dn / step_dn - zero
     usable = thinned(capture.valid[..., None])[..., 0] & (mean < _CLIPPED * span)
     if zero_dn < 1:
         usable &= (first > 0) & (second > 0)  # what is cut off at 0 has lost half of its noise
@@ -83,13 +94,15 @@ def _points(capture: RealCapture, channel: int, zero_dn: float) -> list[tuple[fl
     edges = _bin_edges(level)
     which = np.searchsorted(edges[1:-1], level, side="right")
     rounded = are_whole(pair)
+    shared = line_variance_dn2((first - second) / np.sqrt(2), usable)
 
     def variance(inside: NDArray[np.bool_]) -> float:
         found = _robust_variance(difference[inside]) / 2
-        return before_rounding(found, level[inside].mean() + zero_dn) if rounded else found
+        found = before_rounding(found, level[inside].mean() + zero) if rounded else found
+        return max(found - shared, 0.0)
 
     return [
-        (float(level[inside].mean()), variance(inside), float(inside.sum()))
+        (float(level[inside].mean()) * step_dn, variance(inside) * step_dn**2, float(inside.sum()))
         for bin_ in range(len(edges) - 1)
         if (inside := which == bin_).sum() >= _LEAST_PIXELS
     ]

@@ -90,3 +90,29 @@ def test_a_leaf_that_moves_is_no_noise():
     found = pooled_noise([_flat(files, 8.0)])
     assert found is not None
     assert found.photon_dn[0] == pytest.approx(0.0425, rel=0.03)
+
+
+@pytest.mark.parametrize("pooled", [True, False])
+def test_rows_that_jump_are_no_noise_of_pixels(pooled):
+    rng = np.random.default_rng(4)
+    captures = []
+    for light in (0.0, 0.4, 0.8):
+        files = 8 + 0.0425 * rng.poisson(6000 * light, (2, 200, 200)) + rng.normal(0, 0.6, (2, 200, 200))
+        files = np.rint(files + rng.normal(0, 0.8, (2, 200, 1)))
+        captures.append(_flat(files.astype(np.float32)[..., None], 8.0))
+    found = pooled_noise(captures) if pooled else estimate_noise(captures[0])
+    assert found is not None
+    assert found.thermal_dn2[0] == pytest.approx(0.6**2, rel=0.15)
+
+
+def test_noise_is_told_through_the_steps_of_a_coarser_converter():
+    """Six bits in files of eight: most pairs are alike, and the others differ by four."""
+    rng = np.random.default_rng(5)
+    captures = []
+    for light in (0.0, 0.25, 0.5, 0.8):
+        dn = 8 + 0.0425 * rng.poisson(6000 * light, (2, 200, 200)) + rng.normal(0, 1.0, (2, 200, 200))
+        codes = np.rint(np.clip(np.rint(dn / 255 * 63), 0, 63) / 63 * 255)
+        captures.append(_flat(codes.astype(np.float32)[..., None], 8.0))
+    found = pooled_noise(captures)
+    assert found is not None
+    assert found.photon_dn[0] == pytest.approx(0.0425, rel=0.25)
