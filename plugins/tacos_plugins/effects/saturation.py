@@ -6,12 +6,29 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr
 
 from tacos_framework import Captures, ImageContext, ImageGeometry, Settings, ShownBy, Stage, physical, setting
 from tacos_plugins.effects.samples import Moments, Samples
 from tacos_plugins.effects.shown_by import BRACKET
+
+_SHARED = 0.01
+"""Share of pixels within two codes of the largest value from which on they pile up there."""
+
+_FEWEST_PX = 25
+_SPIKE = 5.0
+"""Pixels at the largest value, over those at each code of a hundredth of it below, of a pile of fewer."""
+
+
+def _pile_up(values_dn: NDArray[np.floating], top_dn: float) -> bool:
+    """True if many pixels are cut off at their largest value, or few, but far more than just below it."""
+    if np.mean(values_dn >= top_dn - 2) > _SHARED:
+        return True
+    codes = max(np.ceil(0.01 * top_dn), 4.0)
+    at_top = int(np.sum(values_dn == top_dn))
+    below = int(np.sum(values_dn >= top_dn - codes)) - at_top
+    return at_top >= _FEWEST_PX and at_top > _SPIKE * below / codes
 
 
 class Saturation:
@@ -55,7 +72,7 @@ class Saturation:
         found = set()
         for capture in captures:
             top = float(capture.real_dn.max())
-            if top < capture.context.white_level_dn and np.mean(capture.real_dn >= top - 2) > 0.01:
+            if top < capture.context.white_level_dn and _pile_up(capture.real_dn, top):
                 found.add(top)
         for level in sorted(found)[-2:]:
             yield {"level_dn": level}
