@@ -21,7 +21,12 @@ from tacos_gap.attribution import Attribution, ForwardSelection, affordable_simu
 from tacos_gap.attribution.held_out import HeldOut, held_out
 from tacos_gap.attribution.negative_control import negative_control
 from tacos_gap.captures import CaptureFolder, RealCapture
-from tacos_gap.captures.coverage import beyond_even_fields, beyond_own_edges
+from tacos_gap.captures.coverage import (
+    beyond_even_fields,
+    beyond_one_time,
+    beyond_own_edges,
+    beyond_own_levels,
+)
 from tacos_gap.captures.even_light import with_even_light
 from tacos_gap.captures.large import (
     enough_pixels,
@@ -53,6 +58,16 @@ LEAST_BESIDE_UNKNOWN = 0.1
 
 EDGES_ALONE = "Pictures of nothing but edges"
 EVEN_FIELDS_ALONE = "Captures of nothing but even fields"
+OWN_LEVELS_ALONE = "Expectations of the brightness that the pictures themselves have"
+ONE_TIME_ALONE = "Captures of one exposure time, or of none stated,"
+
+_BEYOND = (
+    (beyond_own_edges, EDGES_ALONE),
+    (beyond_even_fields, EVEN_FIELDS_ALONE),
+    (beyond_own_levels, OWN_LEVELS_ALONE),
+    (beyond_one_time, ONE_TIME_ALONE),
+)
+"""Effects that captures cannot show, and in a few words, which captures these are."""
 
 CLOSED_FORMS = "closed-form estimates"
 
@@ -88,7 +103,7 @@ def diagnose(
     tell = notify or (lambda text: None)
     considered = effects if isinstance(effects, Candidates) else Candidates(effects)
     installed = considered.effects
-    for beyond, by in ((beyond_own_edges, EDGES_ALONE), (beyond_even_fields, EVEN_FIELDS_ALONE)):
+    for beyond, by in _BEYOND:
         considered = considered.without_these(beyond(folder.captures, considered.effects), by)
     folder = boards_found(folder)
     tell(CLOSED_FORMS)

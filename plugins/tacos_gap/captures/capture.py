@@ -94,6 +94,8 @@ class RealCapture:
     own_edges: bool = False
     """Whether `expected_dn` was read off the edges of the pictures themselves: it then says how sharp they
     would be, and neither where they are nor how bright."""
+    own_level: bool = False
+    """Whether `expected_dn` is as bright as the pictures themselves, as that of walls and brackets is."""
     edge_angle_deg: float | None = None
     patches: tuple[NDArray[np.int64], NDArray[np.float64]] | None = None
     """(P, 4) int x, y, width, height of chart patches [px], and (P, 3) float expected linear RGB [DN]."""

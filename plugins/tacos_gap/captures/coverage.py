@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from tacos_framework import EffectBase, calling, optional
+from tacos_framework import EffectBase, ShownBy, calling, optional
 from tacos_gap.captures.capture import RealCapture
+from tacos_plugins.effects.shown_by import DARKS_OF_TWO_TIMES, LEVELS
 
 
 def untold(captures: Sequence[RealCapture], effects: Mapping[str, type[Any]]) -> dict[str, list[str]]:
@@ -45,3 +46,26 @@ def beyond_even_fields(captures: Sequence[RealCapture], effects: Mapping[str, ty
     if any(capture.kind == "board" or capture.is_structured for capture in captures):
         return set()
     return {name for name, cls in effects.items() if callable(optional(cls, EffectBase, "source"))}
+
+
+def beyond_one_time(captures: Sequence[RealCapture], effects: Mapping[str, type[Any]]) -> set[str]:
+    """Effects that grow with the exposure time, where none is stated, or lit captures have one and no dark.
+
+    What they add is then an offset, and a rate would be a number out of a time that nobody wrote.
+    """
+    times = {capture.context.exposure_s for capture in captures if capture.exposure_stated}
+    if len(times) > 1 or (times and any(capture.kind == "dark" for capture in captures)):
+        return set()
+    return _that_need(DARKS_OF_TWO_TIMES, effects)
+
+
+def beyond_own_levels(captures: Sequence[RealCapture], effects: Mapping[str, type[Any]]) -> set[str]:
+    """Effects on how bright all is, where each expectation has the light that its own pictures show."""
+    lit = [capture for capture in captures if capture.kind not in ("dark", "board")]
+    if not lit or not all(capture.own_level or capture.own_edges for capture in lit):
+        return set()
+    return _that_need(LEVELS, effects)
+
+
+def _that_need(captures: ShownBy, effects: Mapping[str, type[Any]]) -> set[str]:
+    return {name for name, cls in effects.items() if captures in optional(cls, EffectBase, "shown_by")}

@@ -17,7 +17,13 @@ from tacos_framework.plugins import Plugins
 from tacos_framework.settings import Settings, setting
 from tacos_gap.answer.diagnosis import diagnose
 from tacos_gap.captures import CaptureFolder
-from tacos_gap.captures.coverage import beyond_even_fields, beyond_own_edges, untold
+from tacos_gap.captures.coverage import (
+    beyond_even_fields,
+    beyond_one_time,
+    beyond_own_edges,
+    beyond_own_levels,
+    untold,
+)
 from tacos_gap.hypotheses.ambiguity import confused_with
 from tacos_gap.hypotheses.candidates import Candidates, candidates
 from tacos_gap.hypotheses.parameters import HypothesisTerm
@@ -196,6 +202,26 @@ def test_even_fields_are_not_asked_where_things_are(plugins):
     assert beyond == {"pose-error", "lens-distortion", "focal-length-error", "rolling-shutter"}
     assert beyond_even_fields([flat, scene], effects) == set()
     assert beyond_even_fields([flat, capture("board", "board", 100.0)], effects) == set()
+
+
+def test_pictures_that_are_their_own_light_are_not_asked_how_bright_they_should_be(plugins):
+    wall = replace(capture("wall", "flat", 100.0), own_level=True)
+    dark, edge = capture("dark", "dark", BLACK_DN), replace(capture("edge", "edge", 100.0), own_edges=True)
+    effects = candidates(plugins).effects
+    assert beyond_own_levels([wall, edge, dark], effects) == {"exposure-error", "veiling-glare"}
+    assert beyond_own_levels([wall, capture("chart", "chart", 100.0)], effects) == set()
+    assert beyond_own_levels([dark], effects) == set()
+
+
+def test_captures_of_one_time_are_not_asked_what_grows_with_time(plugins):
+    chart, dark = capture("chart", "chart", 100.0), capture("dark", "dark", BLACK_DN)
+    longer = replace(chart, context=replace(chart.context, exposure_s=2 * chart.context.exposure_s))
+    effects = candidates(plugins).effects
+    assert beyond_one_time([chart], effects) == {"dark-current"}
+    assert beyond_one_time([chart, replace(longer, exposure_stated=False)], effects) == {"dark-current"}
+    assert beyond_one_time([chart, longer], effects) == set()
+    assert beyond_one_time([chart, dark], effects) == set()
+    assert beyond_one_time([replace(dark, exposure_stated=False)], effects) == {"dark-current"}
 
 
 def test_an_angle_is_given_from_zero_on():

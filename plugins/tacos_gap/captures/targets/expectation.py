@@ -129,6 +129,7 @@ def _wall(capture: RealCapture) -> Expected:
             capture,
             expected_dn=expected[None],
             level_uncertainty=max(capture.level_uncertainty, LEVEL_UNCERTAINTY),
+            own_level=True,
         )
     )
 
@@ -212,5 +213,6 @@ def _brackets(captures: Sequence[RealCapture]) -> Iterator[Expected]:
                 valid=each.valid & bracket.known,
                 level_uncertainty=max(each.level_uncertainty, LEVEL_UNCERTAINTY),
                 expected_frames=each.frames if each.frames > 1 else 0,
+                own_level=True,
             )
             yield Expected(expected)
