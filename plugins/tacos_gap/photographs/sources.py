@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from tacos_files.camera_images import PICTURE_SUFFIXES, RAW_SUFFIXES
 from tacos_framework import Fault, UserError
 from tacos_gap.captures.files import by_number
+from tacos_gap.in_use.diagnosis import is_recording
+from tacos_worlds.recorded.times import TIMES, read_times
 
 _OF_SYSTEMS = frozenset({"__macosx", "@eadir", "thumbs.db", "desktop.ini"})
 """Files and folders that systems leave beside photographs, in small letters; others begin with a dot."""
@@ -64,6 +67,17 @@ def passed_over(others: Sequence[Path]) -> list[str]:
             said.append(f"Passed over: {_listed(those)}. {remedy}")
             others = [path for path in others if path not in those]
     return [*said, f"Passed over, as no pictures that can be read: {_listed(others)}."] if others else said
+
+
+def recordings_among(sources: Sequence[Path]) -> list[str]:
+    """Sentences on folders that a diagnosis reads as they are: the moments of frames, which captures lack."""
+    return [
+        f"{source.name} is a recording: its {TIMES} says when each frame was taken, which an import does not "
+        f"use. Response and motion blur are found without an import: `tacos-run diagnose --set "
+        f"{shlex.quote(f'captures={source}')} --out out`."
+        for source in sources
+        if is_recording(source) and read_times(source / TIMES)[0]
+    ]
 
 
 def _files_of(source: Path) -> Iterator[Path]:

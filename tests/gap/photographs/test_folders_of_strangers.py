@@ -76,6 +76,17 @@ def test_a_picture_that_only_its_reader_knows_is_imported(tmp_path):
     assert len(import_photographs([tmp_path / "in"], tmp_path / "out").entries) == 1
 
 
+def test_a_recording_is_sent_to_the_diagnosis_that_reads_its_times(tmp_path):
+    names = [taken(tmp_path / f"walk/0{ms}ms_0.png", 20 * ms, seed=ms).name for ms in (1, 2, 4)]
+    times = tmp_path / "walk/times.csv"
+    times.write_text("\n".join(["file,taken_ns", *(f"{name},{k}000000" for k, name in enumerate(names))]))
+    said = import_photographs([tmp_path / "walk"], tmp_path / "recorded").doubts
+    assert any("walk is a recording" in doubt and "tacos-run diagnose" in doubt for doubt in said)
+    times.write_text("\n".join(["file,exposure_ms", *(f"{name},{name[1]}" for name in names)]))
+    said = import_photographs([tmp_path / "walk"], tmp_path / "a_table_of_times").doubts
+    assert not any("is a recording" in doubt for doubt in said)
+
+
 def test_a_heif_file_says_what_to_set_the_camera_to(tmp_path):
     (tmp_path / "IMG_1.HEIC").write_bytes(b"\0\0\0 ftypheic")
     with pytest.raises(UserError, match=r"IMG_1.HEIC is HEIF.*\n.*\n.*Let the camera save RAW or JPEG files"):
