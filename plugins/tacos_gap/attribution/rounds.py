@@ -76,6 +76,11 @@ def affordable_simulations(evidence: Sequence[Evidence]) -> int:
     return min(SIMULATIONS, max(LEAST_SIMULATIONS, AFFORDABLE_SAMPLES // max(samples, 1)))
 
 
+def looking_beside(found: Fitted) -> str:
+    """What is told while more is looked for, from the effects that were found."""
+    return f"looking beside {' + '.join(found.names)}"
+
+
 class Rounds:
     """Knowledge of the effects by now, and one round after another.
 
@@ -125,11 +130,11 @@ class Rounds:
                 self.directions = try_all(self.problem, self.effects, self.each)
                 if codec := codec_of_files(self.problem, self.directions):
                     best = self.fits.fitted([codec], near=best)[0]
-                    self.notify(" + ".join(best.names))
+                    self.notify(looking_beside(best))
                     continue
             if self._begun and (first := self._with_begun(best)) is not None:
                 best = first
-                self.notify(" + ".join(best.names))
+                self.notify(looking_beside(best))
                 continue
             is_new = frozenset(best.names) not in seen
             better = self._extended(best, is_rest=left.score == 0.0) if is_new else None
@@ -137,7 +142,7 @@ class Rounds:
                 return best, left
             seen.add(frozenset(best.names))
             best = self.backward_elimination(better)
-            self.notify(" + ".join(best.names))
+            self.notify(looking_beside(best))
 
     def _with_begun(self, base: Fitted) -> Fitted | None:
         """An explanation with those effects to begin with that it needs; None where it needs none."""

@@ -87,7 +87,8 @@ def test_the_two_that_are_there_are_named_and_not_the_one_that_leans_towards_bot
     told: list[str] = []
     found = ForwardSelection(problem(4.0, 3.0), EFFECTS, workers=1, notify=told.append).run()
     assert sorted(found.best.names) == ["gradient", "ripple"]
-    assert told[0] in ("gradient + ripple", "ripple + gradient")  # at once, and not by way of the third
+    both = {f"looking beside {first}" for first in ("gradient + ripple", "ripple + gradient")}
+    assert told[0] in both  # at once, and not by way of the third
     amounts = {term.name: term.values["amount"] for term in found.best.hypothesis}
     assert amounts == {"gradient": pytest.approx(4.0, abs=0.3), "ripple": pytest.approx(3.0, abs=0.3)}
 
