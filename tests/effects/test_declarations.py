@@ -66,6 +66,8 @@ def test_saturation_is_guessed_where_many_pixels_share_the_top():
     rows = np.linspace(50, 250, 400)[None, :, None, None] * np.ones((1, 400, 10, 1))
     assert list(Saturation.guesses_from([seen(np.minimum(rows, 200.0))])) == [{"level_dn": 200.0}]
     assert list(Saturation.guesses_from([seen(rows**2 / 250)])) == []
+    few = np.append(np.rint(np.linspace(50, 190, 40_000)), np.full(100, 200.0)).reshape(1, 401, 100, 1)
+    assert list(Saturation.guesses_from([seen(few)])) == [{"level_dn": 200.0}]
 
 
 def test_flicker_is_guessed_by_the_wave_over_the_rows():

@@ -11,6 +11,9 @@ from tacos_gap.photographs.shown import repeated, same_framing, same_shading
 FEWEST_TIMES = 2
 """Exposure times that make a bracket."""
 
+_LESS_SHARP = 0.85
+"""Share of the sharpness of another picture below which frames are not its repeats (see `repeated`)."""
+
 
 @dataclass(frozen=True, eq=False)
 class Stack:
@@ -43,6 +46,25 @@ def stacks_of(pictures: Sequence[Picture]) -> list[Stack]:
         else:
             home.pictures.append(picture)
     return _with_brackets(stacks)
+
+
+def sharpest_of_views(stacks: Sequence[Stack]) -> dict[Stack, Stack]:
+    """For each scene that others show sharper at the same settings, that which shows it sharpest.
+
+    So does a series of focus steps, or a hand that shook in some of its pictures.
+    """
+    scenes = [stack for stack in stacks if stack.kind == "scene"]
+    found = {}
+    for stack in scenes:
+        of_view = [each for each in scenes if _shows_the_same(each.first, stack.first)]
+        sharpest = max(of_view, key=lambda each: each.first.shown.sharpness)
+        if stack.first.shown.sharpness < _LESS_SHARP * sharpest.first.shown.sharpness:
+            found[stack] = sharpest
+    return found
+
+
+def _shows_the_same(a: Picture, b: Picture) -> bool:
+    return _settings(a) == _settings(b) and same_framing(a.shown, b.shown)
 
 
 def _belongs(stack: Stack, picture: Picture) -> bool:

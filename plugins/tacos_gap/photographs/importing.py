@@ -13,13 +13,14 @@ from typing import Any
 
 from tacos_framework import Fault, UserError
 from tacos_gap.captures.missing import FILE
+from tacos_gap.captures.targets.expectation import LEVEL_UNCERTAINTY
 from tacos_gap.photographs.boards import USUAL_SQUARE_MM, BoardFound, boards_of, with_unseen_views
 from tacos_gap.photographs.camera import CameraFound, camera_of, focal_px_of_views
 from tacos_gap.photographs.caps_and_walls import with_kinds_weighed
 from tacos_gap.photographs.exposure_times import with_times
 from tacos_gap.photographs.folder_text import folder_text
 from tacos_gap.photographs.given import Given, Guess
-from tacos_gap.photographs.grouping import Stack, stacks_of
+from tacos_gap.photographs.grouping import Stack, sharpest_of_views, stacks_of
 from tacos_gap.photographs.looking import looked_at, of_one_form
 from tacos_gap.photographs.picture import Picture
 from tacos_gap.photographs.sources import passed_over, pictures_in, recordings_among
@@ -164,6 +165,12 @@ def _guesses(stacks: Sequence[Stack], boards: Sequence[BoardFound], given: Given
                 "",
                 tuple(names),
             )
+    for best in dict.fromkeys((sharpest := sharpest_of_views(stacks)).values()):
+        less = [p.name for stack, other in sharpest.items() if other is best for p in stack.pictures]
+        yield Guess(
+            f"{first_of(less)}: compared with {best.first.name}, the sharpest picture of that view, as if "
+            f"all should look so; else let `simulated` give what is expected."
+        )
     for board in boards:
         columns, rows = board.inner_corners
         if board.layout is not None:
@@ -196,7 +203,11 @@ def _doubts(stacks: Sequence[Stack]) -> Iterator[str]:
             f"{_untimed_words(untimed)}: dark current needs it, brackets are found by it. Write exposure_ms, "
             f"put it into the names (dark_10ms.png), or a table beside them (times.csv: file, exposure_ms)."
         )
-    scenes = [picture.name for stack in stacks if stack.kind == "scene" for picture in stack.pictures]
+    sharpest = sharpest_of_views(stacks)
+    used = {*sharpest, *sharpest.values()}
+    scenes = [
+        p.name for stack in stacks if stack.kind == "scene" and stack not in used for p in stack.pictures
+    ]
     if scenes:
         yield (
             f"Neither cap, wall, bracket, edge, board nor ColorChecker: {first_of(scenes)}. Such "
@@ -210,12 +221,11 @@ def _entries(found: _Sorted, out: Path, given: Given) -> Iterator[dict[str, Any]
     lowest = min(isos, default=None)
     times = {id(stack): _seconds(stack.first.facts.taken) for stack in stacks}
     known = [time for time in times.values() if time is not None]
-    count: Counter[str] = Counter()
-    for stack in stacks:
-        count[stack.kind] += 1
-        name = f"{stack.kind}_{count[stack.kind]}"
+    files = {stack: _copied(stack, out, name) for stack, name in _named(stacks)}
+    sharpest = sharpest_of_views(stacks)
+    for stack, name in _named(stacks):
         facts = stack.first.facts
-        entry: dict[str, Any] = {"id": name, "kind": stack.kind, "real": _copied(stack, out, name)}
+        entry: dict[str, Any] = {"id": name, "kind": stack.kind, "real": files[stack]}
         if facts.exposure_ms is not None:
             entry["exposure_ms"] = round(facts.exposure_ms, 6)
         if facts.gain_db is not None:
@@ -228,7 +238,18 @@ def _entries(found: _Sorted, out: Path, given: Given) -> Iterator[dict[str, Any]
             entry["group"] = stack.group
         if (board := found.board_of(stack.first)) is not None:
             entry["board"] = board.entry(given.square_mm or USUAL_SQUARE_MM)
+        if (best := sharpest.get(stack)) is not None:
+            own_light = {"simulated_frames": 1, "level_uncertainty": LEVEL_UNCERTAINTY}
+            entry |= {"simulated": files[best][0], **own_light}
         yield entry
+
+
+def _named(stacks: Sequence[Stack]) -> Iterator[tuple[Stack, str]]:
+    """Captures with their names: their kinds, counted."""
+    count: Counter[str] = Counter()
+    for stack in stacks:
+        count[stack.kind] += 1
+        yield stack, f"{stack.kind}_{count[stack.kind]}"
 
 
 def _seconds(taken: str) -> float | None:

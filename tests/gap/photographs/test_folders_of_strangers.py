@@ -87,6 +87,22 @@ def test_a_recording_is_sent_to_the_diagnosis_that_reads_its_times(tmp_path):
     assert not any("is a recording" in doubt for doubt in said)
 
 
+def test_focus_steps_are_compared_with_the_sharpest_of_their_view(tmp_path):
+    rng = np.random.default_rng(3)
+    seen = cv2.resize(rng.uniform(20, 230, (6, 8)), None, fx=20, fy=20, interpolation=cv2.INTER_CUBIC)
+    seen = np.clip(seen + rng.normal(0, 12, SHAPE), 0, 255)
+    for name, sigma in (("step_0", 3.0), ("step_1", 0.0), ("step_2", 2.0)):
+        blurred = cv2.GaussianBlur(seen, (0, 0), sigma) if sigma else seen
+        taken(tmp_path / f"in/{name}.png", blurred, 1.0, int(sigma))
+    found = import_photographs([tmp_path / "in"], tmp_path / "out")
+    expected = {entry["real"][0]: entry.get("simulated") for entry in found.entries}
+    sharp = "scene_2/step_1.png"
+    assert expected == {"scene_1/step_0.png": sharp, sharp: None, "scene_3/step_2.png": sharp}
+    assert any("step_0.png and step_2.png: compared with step_1.png" in guess.text for guess in found.guesses)
+    compared = [each for each in read_captures(tmp_path / "out").captures if each.expected_dn is not None]
+    assert [each.expected_frames for each in compared] == [1, 1]
+
+
 def test_a_heif_file_says_what_to_set_the_camera_to(tmp_path):
     (tmp_path / "IMG_1.HEIC").write_bytes(b"\0\0\0 ftypheic")
     with pytest.raises(UserError, match=r"IMG_1.HEIC is HEIF.*\n.*\n.*Let the camera save RAW or JPEG files"):
