@@ -12,9 +12,12 @@ import tomllib
 from pathlib import Path
 
 import pytest
+import yaml
 
+from tacos_framework import ProcedureRecipe, load_recipe
 from tacos_framework.components import KINDS
 from tacos_framework.plan import make_plan
+from tacos_framework.plan.procedure import plan_procedure
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import parse_recipe
 from tacos_framework.settings.yaml_reader import read_yaml
@@ -71,10 +74,21 @@ def test_code_block_can_be_read(block: Block) -> None:
 RECIPES = [block for block in blocks(language="yaml") if block.text.startswith("tacos:") and not block.title]
 
 
-@pytest.mark.parametrize("block", RECIPES, ids=str)
+PROCEDURES = [block for block in RECIPES if "\nuse: procedure." in block.text]
+STUDIES = [block for block in RECIPES if block not in PROCEDURES]
+
+
+@pytest.mark.parametrize("block", STUDIES, ids=str)
 def test_whole_recipe_passes_the_check(block: Block) -> None:
     recipe, faults = parse_recipe(block.text, name=str(block))
     assert make_plan(recipe, Plugins.discover(), faults).graph.nodes
+
+
+@pytest.mark.parametrize("block", PROCEDURES, ids=str)
+def test_whole_recipe_of_a_procedure_passes_the_check(block: Block) -> None:
+    recipe = load_recipe(yaml.safe_load(block.text))
+    assert isinstance(recipe, ProcedureRecipe)
+    plan_procedure(recipe, Plugins.discover())
 
 
 @pytest.mark.parametrize("page", PAGES, ids=page_name)
