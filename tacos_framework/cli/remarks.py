@@ -12,6 +12,7 @@ from tacos_framework.plan.notes import (
     doubted_parts,
     notes_on_catalogs,
     notes_on_constraints,
+    notes_on_middle,
     notes_on_search,
     notes_on_worlds,
 )
@@ -37,6 +38,7 @@ def remarks(plan: Plan, *, verbose: bool) -> Iterator[str]:
         *notes_on_catalogs(plan),
         *notes_on_constraints(plan),
         *doubts_of_units(plan),
+        *notes_on_middle(plan),
         *notes_on_worlds(plan),
         *notes_on_shown(plan),
     ):

@@ -136,6 +136,19 @@ def notes_on_camera(plan: Plan, values: Mapping[str, Any]) -> Iterator[str]:
             yield f"{plan.rig.origin} has notes on this camera, but fails to say them: {error}"
 
 
+def notes_on_middle(plan: Plan) -> Iterator[str]:
+    """Sentences on the camera in the middle of the design space, where no parts are chosen for it."""
+    if next(_catalog_choices(plan), None) is None:
+        yield from (
+            f"In the middle of the design space: {said}" for said in notes_on_camera(plan, middle(plan))
+        )
+
+
+def middle(plan: Plan) -> Mapping[str, Any]:
+    """Values in the middle of the design space."""
+    return plan.space.decode([(gene.lower + gene.upper) / 2 for gene in plan.space.genes]).as_dict()
+
+
 def notes_on_noise(plan: Plan, cameras: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Sentences on where noise, and what effects assume of cameras, come from, as their components say."""
     sensors_by_origin: dict[tuple[str, str], list[str]] = {}
@@ -192,9 +205,9 @@ def _unknown_parts(plan: Plan) -> Iterator[tuple[str, CatalogChoice, tuple[str, 
     Only where other parts of the same catalog have it, be they ruled out: a rig without a lens has no image
     circle.
     """
-    middle = plan.space.decode([(gene.lower + gene.upper) / 2 for gene in plan.space.genes]).as_dict()
+    values = middle(plan)
     for variable in _catalog_choices(plan):
-        candidates = [{**middle, variable.name: row.as_dict()} for row in variable.rows]
+        candidates = [{**values, variable.name: row.as_dict()} for row in variable.rows]
         unknown = [plan.unknown(each, derived_of(plan, each) or {}) for each in candidates]
         for constraint in plan.constraints:
             known = zip(variable.rows, unknown, strict=True)

@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from tacos_framework.errors import CandidateFailed
 from tacos_framework.plan.findings import RecipeFindings
+from tacos_framework.plan.notes import middle
 from tacos_framework.plan.plan import Plan
 from tacos_framework.values import Camera
 
@@ -20,7 +21,7 @@ _PIXEL_UM, _FOCAL_MM, _HFOV_DEG, _EXPOSURE_MS = (0.3, 200.0), (0.1, 2000.0), (0.
 
 def check_image_sizes(findings: RecipeFindings, plan: Plan) -> None:
     """Binning that leaves no image is a fault, as each candidate would fail by it."""
-    values = _middle(plan)
+    values = middle(plan)
     own_px = plan.derived(values).get("image_width_px", 0) if values else 0
     for camera in _cameras(plan, values):
         if min(camera.width_px, camera.height_px) < _FEWEST_PX and own_px > _FEW_PX:
@@ -56,8 +57,8 @@ def check_exposures(findings: RecipeFindings, plan: Plan) -> None:
 
 def doubts_of_units(plan: Plan) -> Iterator[str]:
     """Sentences on figures of cameras and scenarios that are most likely in another unit."""
-    seen = {"the middle of the design space": _middle(plan)}
-    seen |= {camera.title: {**_middle(plan), **camera.fixes} for camera in plan.cameras}
+    seen = {"the middle of the design space": middle(plan)}
+    seen |= {camera.title: {**middle(plan), **camera.fixes} for camera in plan.cameras}
     for title, values in seen.items():
         for camera in _cameras(plan, values):
             yield from (f"{title}, {camera.name}: {doubt}" for doubt in doubts_of_camera(camera))
@@ -84,7 +85,7 @@ def doubts_of_camera(camera: Camera) -> Iterator[str]:
         wide_mm = camera.width_px * camera.pixel_um * camera.binning * 1e-3
         yield (
             f"focal_length_mm {camera.focal_length_mm:g} before {wide_mm:.3g} mm of pixels sees "
-            f"{camera.hfov_deg:.2g} degrees; check both"
+            f"{camera.hfov_deg:.3g} degrees; check both"
         )
     if min(camera.width_px, camera.height_px) < _FEW_PX and camera.simulated_binning > 1:
         size = f"{camera.width_px} x {camera.height_px}"
@@ -98,10 +99,6 @@ def _beyond(name: str, value: float, usual: tuple[float, float], larger: str, sm
     unit, likely = (larger, value * 1000) if value < usual[0] else (smaller, value / 1000)
     guess = f"; is it in {unit}? Then it is {likely:g}" if usual[0] <= likely <= usual[1] else ""
     return f"{name} is {value:g}, as of no camera{guess}"
-
-
-def _middle(plan: Plan) -> Mapping[str, Any]:
-    return plan.space.decode([(gene.lower + gene.upper) / 2 for gene in plan.space.genes]).as_dict()
 
 
 def _cameras(plan: Plan, values: Mapping[str, Any]) -> tuple[Camera, ...]:

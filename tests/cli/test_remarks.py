@@ -17,6 +17,7 @@ def test_equal_doubts_are_one_line_and_the_list_is_short(monkeypatch):
     monkeypatch.setattr(remarks, "notes_on_search", lambda plan: [])
     monkeypatch.setattr(remarks, "notes_on_catalogs", lambda plan: ["a note"])
     monkeypatch.setattr(remarks, "notes_on_constraints", lambda plan: [])
+    monkeypatch.setattr(remarks, "notes_on_middle", lambda plan: [])
     monkeypatch.setattr(remarks, "notes_on_worlds", lambda plan: [])
     monkeypatch.setattr(remarks, "notes_on_shown", lambda plan: [])
     monkeypatch.setattr(remarks, "doubts_of_units", lambda plan: [])

@@ -68,3 +68,12 @@ def test_lenses_that_cannot_be_are_refused_where_they_stand(tmp_path, capsys, ri
 def test_fisheyes_pass_wherever_the_command_is_typed(tmp_path, capsys, rig):
     code, told = checked(tmp_path, capsys, rig)
     assert (code, "no faults" in told) == (0, True), told
+
+
+def test_dark_corners_are_said(tmp_path, capsys):
+    code, said = checked(
+        tmp_path, capsys, "  focal_length_mm: 0.579\n  projection: equidistant\n  image_circle_deg: 170"
+    )
+    assert code == 0
+    assert "An image circle of 1.7 mm on a sensor of 1.9 x 1.4 mm leaves 2" in said
+    assert "% of the image dark." in said
