@@ -28,22 +28,22 @@ from tacos_framework.formation import PlacedSensor
 from tacos_framework.store import replace_file
 from tacos_framework.study import KeepsFailing
 from tacos_gap.answer.diagnosis import diagnose
-from tacos_gap.answer.findings import Diagnosis, Parameter
+from tacos_gap.answer.findings import Diagnosis
 from tacos_gap.answer.transfer import Photographed, patch, patched
 from tacos_gap.answer.undiagnosed import NothingMeasured, undiagnosed_data
-from tacos_gap.captures import RealCapture, read_captures
+from tacos_gap.captures import CaptureFolder, RealCapture, read_captures
 from tacos_gap.captures.processing import traces_of_processing
 from tacos_gap.captures.targets.edge_tail import tails_of
-from tacos_gap.hypotheses.candidates import candidates
+from tacos_gap.hypotheses.candidates import Candidates, candidates
 from tacos_gap.in_use.diagnosis import is_recording
 from tacos_gap.inference.problem import placed
 from tacos_gap.procedures.checks import check_all, check_captures
 from tacos_gap.procedures.progress import Telling
 from tacos_gap.procedures.so_far import KeptSoFar
-from tacos_gap.report import task_words
-from tacos_gap.report.limits_in_words import limits_in_words, sentence
+from tacos_gap.report.limits_in_words import limits_in_words
 from tacos_gap.report.one_wall import of_one_wall
 from tacos_gap.report.page import Circumstances, page
+from tacos_gap.report.summary import summary
 from tacos_gap.report.undiagnosed import undiagnosed_page, undiagnosed_summary
 from tacos_gap.simulation.bench import recipe_renderer
 from tacos_gap.simulation.sensors import NODE, with_sensor
@@ -128,49 +128,27 @@ class Diagnose:
         if is_recording(self.config.captures):
             return _in_use(self.config.captures, out, progress)
         began = time.monotonic()
-        so_far = KeptSoFar(out / "so_far.json", progress)
         considered = candidates(plugins, self.config.without)
         question, tasks = self._question(), self._tasks(plugins)
-        sensor = self._sensor(plugins)
-        progress.phase("Reading captures", None)
-        folder = read_captures(self.config.captures, recipe_renderer(plugins))
-        if sensor is not None:
-            folder = replace(folder, captures=with_sensor(folder.captures, sensor))
-        progress.step(f"{len(folder.captures)} captures")
-        progress.phase("Looking for causes", None)
+        folder = self._folder(plugins, progress)
         try:
-            with Telling(progress) as tell:
-                diagnosis = diagnose(
-                    folder,
-                    considered,
-                    seed=seed,
-                    workers=self.config.workers,
-                    notify=tell,
-                    simulations=self.config.simulations,
-                    keep=so_far,
-                    begun=so_far.explanation() if resume else (),
-                )
+            diagnosis = self._searched(folder, considered, out, seed, progress, resume)
         except NothingMeasured as nothing:
             data = undiagnosed_data(nothing.limitations)
             _write(out, data, patched((), Photographed.of(folder.captures)))
             told = undiagnosed_page(folder, nothing.limitations, considered.effects, self._command(seed))
             write_page(out / "report.html", told)
             return {"diagnosis": data, "summary": undiagnosed_summary(nothing.limitations)}
-        causes = diagnosis.attribution.best.hypothesis
         progress.phase("Scoring tasks", None)
-        scored = score_tasks(folder.captures, lambda capture: placed(causes, capture.id), tasks, seed)
-        scores = {name: score.as_data() for name, score in task_gap(scored).items()}
         processed = traces_of_processing(folder.captures)
         rest = _named_rest(diagnosis, processed, folder.captures)
-        said = [*of_one_wall(diagnosis, folder.captures), *rest]
-        limits = (*diagnosis.limitations, *said, *scored.left_out)
-        diagnosis = replace(diagnosis, task=scores, limitations=limits)
-        progress.step(", ".join(scores) or "no captures they could be scored on")
+        diagnosis = _with_tasks(diagnosis, folder.captures, tasks, rest, seed)
+        progress.step(", ".join(diagnosis.task) or "no captures they could be scored on")
         shown = limits_in_words(diagnosis.detectable, considered.effects, folder.captures[0].geometry)
         data = {**diagnosis.as_data(), "detectable_in_words": shown, "processed": processed}
         added = patched(diagnosis.causes, Photographed.of(folder.captures))
         _write(out, data, added)
-        decision: dict[str, Any] = {}
+        decision: Mapping[str, Any] = {}
         if question is not None and diagnosis.causes:
             try:
                 decision = decide(question, patch(diagnosis.causes), plugins, executor, progress)
@@ -191,6 +169,38 @@ class Diagnose:
         )
         write_page(out / "report.html", page(diagnosis, folder, run))
         return {"diagnosis": data, "summary": summary(diagnosis, decision, shown, rest)}
+
+    def _folder(self, plugins: Plugins, progress: Progress) -> CaptureFolder:
+        sensor = self._sensor(plugins)
+        progress.phase("Reading captures", None)
+        folder = read_captures(self.config.captures, recipe_renderer(plugins))
+        if sensor is not None:
+            folder = replace(folder, captures=with_sensor(folder.captures, sensor))
+        progress.step(f"{len(folder.captures)} captures")
+        return folder
+
+    def _searched(
+        self,
+        folder: CaptureFolder,
+        considered: Candidates,
+        out: Path,
+        seed: int,
+        progress: Progress,
+        resume: bool,
+    ) -> Diagnosis:
+        so_far = KeptSoFar(out / "so_far.json", progress)
+        progress.phase("Looking for causes", None)
+        with Telling(progress) as tell:
+            return diagnose(
+                folder,
+                considered,
+                seed=seed,
+                workers=self.config.workers,
+                notify=tell,
+                simulations=self.config.simulations,
+                keep=so_far,
+                begun=so_far.explanation() if resume else (),
+            )
 
     def _question(self) -> Question | None:
         config = self.config
@@ -231,10 +241,6 @@ def _in_use(folder: str, out: Path, progress: Progress) -> Mapping[str, Any]:
     return data_and_summary(found)
 
 
-LIMITS_SHOWN = 5
-"""Detection limits that the summary of a diagnosis without a gap names."""
-
-
 def _write(out: Path, data: Mapping[str, Any], patch: str) -> None:
     """Write each file whole or not at all: an earlier diagnosis stays where this one is broken off."""
     told = json.dumps(data, indent=1, ensure_ascii=False) + "\n"
@@ -242,10 +248,19 @@ def _write(out: Path, data: Mapping[str, Any], patch: str) -> None:
     replace_file(out / "patched.yaml", patch.encode())
 
 
-def _valued(name: str, parameter: Parameter) -> str:
-    unit = "" if parameter.unit == "1" else f" {parameter.unit}"
-    found = parameter.physical
-    return f"{name} {parameter.value}{unit}" + (f" ({found.value:g} {found.unit})" if found else "")
+def _with_tasks(
+    diagnosis: Diagnosis,
+    captures: Sequence[RealCapture],
+    tasks: Sequence[RecipeTask],
+    rest: Sequence[str],
+    seed: int,
+) -> Diagnosis:
+    """The diagnosis with the gap of each task, and sentences on what the captures leave open."""
+    causes = diagnosis.attribution.best.hypothesis
+    scored = score_tasks(captures, lambda capture: placed(causes, capture.id), tasks, seed)
+    scores = {name: score.as_data() for name, score in task_gap(scored).items()}
+    limits = (*diagnosis.limitations, *of_one_wall(diagnosis, captures), *rest, *scored.left_out)
+    return replace(diagnosis, task=scores, limitations=limits)
 
 
 def _named_rest(diagnosis: Diagnosis, traces: Sequence[str], captures: Sequence[RealCapture]) -> list[str]:
@@ -256,49 +271,3 @@ def _named_rest(diagnosis: Diagnosis, traces: Sequence[str], captures: Sequence[
         done = "; ".join(traces)
         return [f"These are processed files; {done}. That is the likeliest cause of what remains."]
     return tails_of(captures)
-
-
-def summary(
-    diagnosis: Diagnosis,
-    decision: Mapping[str, Any] | None = None,
-    shown_from: Mapping[str, str] | None = None,
-    rest: Sequence[str] = (),
-) -> str:
-    """Findings in a few lines.
-
-    `shown_from`: what would have shown, by effect, for a diagnosis without a gap. `rest`: what remains, in
-    sentences.
-    """
-    said = {
-        "no_gap": "No gap: the captures differ from the simulation by no more than its own noise.",
-        "explained": "Explained.",
-        "partly_explained": "Partly explained: something outside the catalogue of effects remains.",
-        "unknown": "Unknown: the cause lies outside the catalogue of effects.",
-    }
-    lines = [said[diagnosis.verdict], *rest]
-    for cause in diagnosis.causes:
-        values = ", ".join(_valued(name, p) for name, p in cause.parameters.items())
-        low, high = cause.closure_interval
-        sure = f"score {cause.present:.2f}{'' if cause.is_proven else ': fits, but is not proven'}"
-        lines.append(f"  {cause.effect} ({sure}): {values}")
-        lines.append(
-            f"      added alone closes {cause.closure:.0%} of the gap ({low:.0%} to {high:.0%}), "
-            f"{f'not held out: {cause.not_held_out}' if cause.not_held_out else 'held out'}"
-        )
-    more = [name for name in diagnosis.cause_set if name not in {c.effect for c in diagnosis.causes}]
-    if more:
-        lines.append(f"  cannot be told from: {', '.join(more)}")
-    if len(diagnosis.causes) > 1:
-        low, high = diagnosis.closure_interval
-        lines.append(f"Together they close {diagnosis.closure:.0%} of the gap ({low:.0%} to {high:.0%}).")
-    lines.append(f"Gap: {diagnosis.gap_before:.1f} before, {diagnosis.gap_after:.1f} after, noise floor 1.")
-    lines += [task_words.sentence(name, found) for name, found in diagnosis.task.items()]
-    if decision:
-        lines.append(str(decision["sentence"]))
-    if shown_from and diagnosis.verdict == "no_gap":
-        lines += [f"  {sentence(effect, limit)}" for effect, limit in list(shown_from.items())[:LIMITS_SHOWN]]
-        if (more_limits := len(shown_from) - LIMITS_SHOWN) > 0:
-            lines.append(f"  The report says it of {more_limits} more.")
-    if diagnosis.next_capture:
-        lines.append(f"Capture next: {diagnosis.next_capture.kind}; {diagnosis.next_capture.why}.")
-    return "\n".join(lines)
