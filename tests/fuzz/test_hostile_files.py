@@ -157,6 +157,9 @@ def test_what_a_decoder_refuses_under_a_raised_limit_is_a_fault(tmp_path, monkey
 
 
 def test_models_may_not_name_files_elsewhere(tmp_path):
+    folder = tmp_path / "models"
+    folder.mkdir()
+    (tmp_path / "secret.bin").write_bytes(b"secret")
     for uri in (
         "../secret.bin",
         "%2e%2e/secret.bin",
@@ -170,8 +173,8 @@ def test_models_may_not_name_files_elsewhere(tmp_path):
             "textures": [{"source": 0}],
             "materials": [{"normalTexture": {"index": 0}}],
         }
-        (tmp_path / "model.gltf").write_text(json.dumps(tree))
-        assert "refers to" in fault_of(READ_MODEL, tmp_path / "model.gltf"), uri
+        (folder / "model.gltf").write_text(json.dumps(tree))
+        assert "refers to" in fault_of(READ_MODEL, folder / "model.gltf"), uri
 
 
 def test_a_truncated_texture_is_a_fault(tmp_path):
