@@ -18,7 +18,6 @@ from tacos_framework import ProcedureRecipe, UserError, load_recipe, run
 from tacos_framework.plan.procedure import plan_procedure
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Use
-from tacos_validation import harness
 from tacos_validation.claims.compare import ClaimsTested
 from tacos_validation.claims.settings import Claim
 from tacos_validation.claims.verdicts import DOES_NOT, HOLDS, UNDECIDED, ClaimFound, judged
@@ -96,6 +95,16 @@ def test_images_count_until_both_searches_are_as_good_as_the_worse_end():
     assert found.verdict == HOLDS
 
 
+def test_a_search_that_scored_nothing_has_no_images_to_compare():
+    runs = {
+        "quick": {seed: study_run(seed, 0.0, [(10, 1.0)]) for seed in range(3)},
+        "lost": {seed: study_run(seed, 0.0, [(10, 1.0)] if seed else []) for seed in range(3)},
+    }
+    asked = Claim(says="Quick needs fewer.", of="quick", over=("lost",), value="images", better="lower")
+    (found,) = judged("fewer", asked, "toy", runs, 0.95).contrasts
+    assert found.seeds == 2
+
+
 # --- run on toys --------------------------------------------------------------------------------------------
 
 
@@ -162,22 +171,18 @@ def test_differences_are_those_of_twins(tested):
     assert "Joint beats frozen." in (out / "report.html").read_text()
 
 
-def test_a_broken_run_goes_on_with_the_studies_that_are_done(study, reporting_toys, tmp_path, monkeypatch):
-    begun: list[str] = []
-    run_study = harness.run
-
-    def third_time_unlucky(*given: Any, **named: Any) -> Any:
-        begun.append(named["out"].name)
-        if len(begun) == 3:
-            raise KeyboardInterrupt
-        return run_study(*given, **named)
-
-    monkeypatch.setattr(harness, "run", third_time_unlucky)
+def test_studies_that_are_done_are_kept_and_a_broken_one_goes_on(
+    tested, study, reporting_toys, tmp_path, third_study_breaks_off
+):
+    whole, _ = tested
     with pytest.raises(KeyboardInterrupt):
         run(asked(study), out=tmp_path / "out", plugins=reporting_toys)
-    monkeypatch.setattr(harness, "run", run_study)
     result = run(asked(study), out=tmp_path / "out", plugins=reporting_toys, resume=True)
-    assert result["studies"] == 8
+    first, second, broken, *later = third_study_breaks_off
+    assert later[0] == broken
+    assert {first, second}.isdisjoint(later)
+    assert len(later) == 6
+    assert result["claims"] == whole["claims"]
 
 
 # --- recipes ------------------------------------------------------------------------------------------------

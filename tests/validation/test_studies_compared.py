@@ -17,7 +17,6 @@ from tacos_framework.recipe import Use
 from tacos_framework.study.progress import Silent
 from tacos_framework.testing import ProcedureConformance
 from tacos_framework.testing.procedure import InThisProcess
-from tacos_validation import harness
 from tacos_validation.studies_compared.compare import CompareStudies
 from tacos_validation.studies_compared.pairs import StudyOutcome, difference, scores_of, spread
 
@@ -98,24 +97,14 @@ def test_what_the_fitness_takes_comes_first_and_is_all_that_is_drawn(compared):
 
 
 def test_studies_that_are_done_are_kept_and_a_broken_one_goes_on(
-    compared, study, toys, tmp_path, monkeypatch
+    compared, study, toys, tmp_path, third_study_breaks_off
 ):
     whole, _ = compared
     out = tmp_path / "broken"
-    begun = []
-    run_study = harness.run
-
-    def third_time_unlucky(*given: Any, **named: Any) -> Any:
-        begun.append(named["out"].name)
-        if len(begun) == 3:
-            raise KeyboardInterrupt
-        return run_study(*given, **named)
-
-    monkeypatch.setattr(harness, "run", third_time_unlucky)
     with pytest.raises(KeyboardInterrupt):
         run(asked(study), out=out, plugins=toys)
     again = run(asked(study), out=out, plugins=toys, resume=True)
-    assert begun == ["joint-1", "frozen-1", "joint-2", "joint-2", "frozen-2"]
+    assert third_study_breaks_off == ["joint-1", "frozen-1", "joint-2", "joint-2", "frozen-2"]
     assert [each["scores"] for each in again["studies"]] == [each["scores"] for each in whole["studies"]]
 
 

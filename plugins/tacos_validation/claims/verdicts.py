@@ -92,7 +92,8 @@ def _differences(claim: Claim, over: str, runs: Mapping[str, Mapping[int, StudyR
     found = []
     for seed in own.keys() & others.keys():
         if claim.value == IMAGES:
-            found.append(_image_ratio_log2(own[seed], others[seed]))
+            if own[seed].curve[1] and others[seed].curve[1]:  # else a search scored no camera
+                found.append(_image_ratio_log2(own[seed], others[seed]))
             continue
         one = look_up(own[seed].result, of_camera, claim.value)
         other = look_up(others[seed].result, over_camera, claim.value)

@@ -38,9 +38,8 @@ class Recording:
     bits: int  # bits of a sample, of which its largest code tells
     response: Response  # from codes to light
     response_from: str  # where the response comes from, in a sentence
-    clipping_codes: NDArray[
-        np.int64
-    ]  # (2, 2) codes from which samples are clipped, as `saturation` finds them
+    clipping_codes: NDArray[np.int64]
+    """(2, 2) codes from which samples are clipped, as `saturation` finds them."""
     green_on_diagonal: bool = False  # true if the mosaic has green at (0, 0) and (1, 1)
 
     @property
