@@ -30,6 +30,8 @@ KB = {
     "projection": "kannala-brandt",
     "coefficients": [-0.003, 0.054, -0.052, 0.011],
 }
+FULL = {"name": "full", "width_px": 848, "height_px": 800, "pixel_um": 3.0}
+FULL_KB = KB | {"width_px": 848, "height_px": 800, "focal_length_px": 282.0, "centre_px": [424.4, 398.6]}
 RIGS: dict[str, dict[str, Any]] = {
     "T265": {"calibration": KB, "image_circle_deg": 163},
     "equidistant 190": {"hfov_deg": 190, "projection": "equidistant"},
@@ -38,8 +40,8 @@ RIGS: dict[str, dict[str, Any]] = {
 }
 
 
-def fisheyes(name: str) -> RenderSetup:
-    rig = {"use": "rig.stereo", "sensor": SENSOR, **RIGS[name]}
+def fisheyes(name: str, sensor: dict[str, Any] = SENSOR, **changes: Any) -> RenderSetup:
+    rig = {"use": "rig.stereo", "sensor": sensor, **RIGS[name], **changes}
     recipe = stereo_recipe(rig=rig, design={"baseline_m": {"between": [0.05, 0.3]}})
     return set_up(recipe, {"baseline_m": 0.064}, plugins=plugins_with_boxes())
 
@@ -129,3 +131,46 @@ def test_what_is_projected_is_seen_where_its_id_is() -> None:
     for view in frame.capture.views:
         middle, _ = project(np.array([2.0, -0.5, 1.1]), view.camera, view.world_from_camera[0])
         assert view.object_id[0, round(middle[1]), round(middle[0])] == 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "changes"), [("T265", {"calibration": FULL_KB}), ("equidistant 190", {})])
+def test_opencv_rectifies_a_full_sized_pair_from_its_files(
+    name: str, changes: dict[str, Any], tmp_path: Path
+) -> None:
+    """A point that the left image shows lies in the same row of the rectified right one, at its disparity."""
+    setup = fisheyes(name, FULL, **changes)
+    write_camera_files(tmp_path, describe_cameras(setup))
+    matrices, coefficients, poses = zip(
+        *(_read(tmp_path / f"{side}_opencv.yaml") for side in ("left", "right")), strict=True
+    )
+    right_from_left = np.linalg.inv(poses[1]) @ poses[0]
+    size = (FULL["width_px"], FULL["height_px"])
+    turn = cv2.fisheye.stereoRectify(
+        matrices[0], coefficients[0], matrices[1], coefficients[1], size,
+        right_from_left[:3, :3], right_from_left[:3, 3], cv2.CALIB_ZERO_DISPARITY,
+    )  # fmt: skip
+    frame = next(iter(setup.frames(1, seed=0)))
+    left, right = frame.capture.views
+    rays = pixel_rays(left.camera)
+    seen = np.isfinite(left.depth_m[0]) & (rays[..., 2] > 0.3)
+    points = (left.depth_m[0][..., None] * rays)[seen].astype(np.float64)
+    in_right = points @ right_from_left[:3, :3].T + right_from_left[:3, 3]
+    rectified = [
+        cv2.fisheye.undistortPoints(
+            pixels_of_rays(each, view.camera)[:, None], matrices[i], coefficients[i], R=turn[i], P=turn[i + 2]
+        )[:, 0]
+        for i, (each, view) in enumerate(((points, left), (in_right, right)))
+    ]
+    np.testing.assert_allclose(rectified[0][:, 1], rectified[1][:, 1], atol=0.01)
+    along_axis_m = (points @ turn[0].T)[:, 2]
+    disparity = rectified[0][:, 0] - rectified[1][:, 0]
+    np.testing.assert_allclose(disparity, -turn[3][0, 3] / along_axis_m, atol=0.01)
+
+
+def _read(file: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Camera matrix, coefficients, and the camera's pose in the body, as OpenCV reads them."""
+    storage = cv2.FileStorage(str(file), cv2.FILE_STORAGE_READ)
+    names = ("camera_matrix", "distortion_coefficients", "body_from_camera")
+    matrix, coefficients, pose = (storage.getNode(name).mat() for name in names)
+    return matrix, coefficients.ravel(), pose
