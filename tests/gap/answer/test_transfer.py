@@ -120,6 +120,7 @@ def test_what_names_a_file_belongs_to_one_specimen():
         ("defocus", {"radius_px": 1.5}),
         ("lens-blur", {"sigma_px": 1.1}),
         ("read-noise", {"sigma_dn": 1.5}),
+        ("read-noise", {"sigma_dn": 1.0, "after_gain_dn": 1.2}),
         ("row-noise", {"sigma_dn": 1.5, "column_sigma_dn": 0.5}),
         ("dark-current", {"rate_dn_s": 20.0}),
         ("black-level", {"offset_dn": 2.0}),
