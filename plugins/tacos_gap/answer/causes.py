@@ -63,16 +63,15 @@ def causes_of(
             (n for n in probabilities if n not in ("", term.name)), key=lambda n: -probabilities[n]
         )
         alike = list(confused_with(term.name, effects, captures))
-        certainty = min(probabilities[term.name], _LARGEST_PROBABILITY)
-        if alike:
-            certainty = min(certainty, 1.0 / (1 + len(alike)))
+        group = {term.name, *alike}
+        certainty = min(sum(probabilities.get(name, 0.0) for name in group), _LARGEST_PROBABILITY)
         rest = problem.residual(without(best.hypothesis, term.name))
         share = 0.0 if rest is None else share_explained(problem, best.z, rest)
         near = [name for name in rivals if probabilities[name] > 0.05]
         doubt = left.score if rest is None else max(left.score, doubt_beside(problem, best.z, rest))
         sure = max(BY_STATISTICS.by(share), 1 - doubt)
         if sure < 1 and certainty > LEAST_CERTAIN:
-            rivals_of_it = _in_place_of(attribution, term)
+            rivals_of_it = _in_place_of(attribution, term, group)
             in_pictures = share_of_pictures(problem, best.hypothesis, term, rivals_of_it, seed)
             sure = max(sure, BY_PICTURES.by(in_pictures))
         causes.append(
@@ -88,6 +87,7 @@ def causes_of(
                 evidence=_evidence(problem, best, term, attribution),
                 settings=_settings(term),
                 specimen=tuple(n for n in term.settings if of_specimen(term.cls.Config, n)),
+                alike=tuple(alike),
             )
         )
         start = stop
@@ -95,13 +95,13 @@ def causes_of(
     return sorted(causes, key=lambda cause: (effects[cause.effect].stage == "codec", -cause.shapley))
 
 
-def _in_place_of(attribution: Attribution, term: HypothesisTerm) -> list[Hypothesis]:
-    """The best explanation with each effect that was fitted in the place of one of its own."""
+def _in_place_of(attribution: Attribution, term: HypothesisTerm, group: set[str]) -> list[Hypothesis]:
+    """The best explanation with each effect fitted in the place of one of its own, but those of a group."""
     rest = {name for name in attribution.best.names if name != term.name}
     return [
         fitted.hypothesis
         for names, fitted in attribution.fits.items()
-        if len(names) == len(rest) + 1 and rest < set(names) and term.name not in names
+        if len(names) == len(rest) + 1 and rest < set(names) and not group & (set(names) - rest)
     ]
 
 

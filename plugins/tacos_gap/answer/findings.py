@@ -53,6 +53,7 @@ class Cause:
     """An effect that the captures support.
 
     `present` is a score from 0 to 1 that it is there, whatever else is: it goes by the captures that show it.
+    Where `alike` names effects that such captures never tell from it, the score is that one of them is there.
     `settings` are those of the captured camera; those of `specimen` among them belong to it alone.
     `closure` is what it closes if it is added alone, `shapley` its fair share of
     what all causes close together; `not_held_out` says why the first is of folds that the selection saw.
@@ -69,6 +70,7 @@ class Cause:
     evidence: str
     settings: Mapping[str, Any]
     specimen: tuple[str, ...] = ()
+    alike: tuple[str, ...] = ()
 
     @property
     def is_proven(self) -> bool:
@@ -200,6 +202,7 @@ def _cause_as_data(cause: Cause) -> dict[str, Any]:
             **_held_out(cause.not_held_out),
         },
         "shapley": _round(cause.shapley),
+        "alike": list(cause.alike),
         "confused_with": list(cause.confused_with),
         "evidence": cause.evidence,
     }

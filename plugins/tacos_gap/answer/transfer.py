@@ -121,6 +121,8 @@ def patched(causes: Sequence[Cause], camera: Photographed) -> str:
         entry = added(cause)
         if not cause.is_proven:
             text += f"# Fits, but is not proven: {cause.present:.0%}. Something else may look like it.\n"
+        if cause.alike:
+            text += f"# It or {' or '.join(cause.alike)}: these captures do not tell which.\n"
         if entry.left_out:
             text += f"# Left out. {of_one_specimen(cause)}\n"
         if entry.bound:

@@ -35,12 +35,13 @@ def summary(
         values = ", ".join(_valued(name, p) for name, p in cause.parameters.items())
         low, high = cause.closure_interval
         sure = f"score {cause.present:.2f}{'' if cause.is_proven else ': fits, but is not proven'}"
-        lines.append(f"  {cause.effect} ({sure}): {values}")
+        lines.append(f"  {' or '.join((cause.effect, *cause.alike))} ({sure}): {values}")
         lines.append(
             f"      added alone closes {cause.closure:.0%} of the gap ({low:.0%} to {high:.0%}), "
             f"{f'not held out: {cause.not_held_out}' if cause.not_held_out else 'held out'}"
         )
-    more = [name for name in diagnosis.cause_set if name not in {c.effect for c in diagnosis.causes}]
+    said_before = {name for cause in diagnosis.causes for name in (cause.effect, *cause.alike)}
+    more = [name for name in diagnosis.cause_set if name not in said_before]
     if more:
         lines.append(f"  cannot be told from: {', '.join(more)}")
     if len(diagnosis.causes) > 1:

@@ -66,7 +66,7 @@ def headline(diagnosis: Diagnosis) -> str:
 
 
 def cause_sentence(cause: Cause) -> str:
-    name = effect_words(cause.effect)
+    name = " or ".join(effect_words(effect) for effect in (cause.effect, *cause.alike))
     said = [
         f"{_spoken(key, parameter)} {_row(key, parameter)[1]}{_unit_after(parameter)}"
         f"{_interval_after(key, parameter)}"

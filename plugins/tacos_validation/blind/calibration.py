@@ -10,6 +10,7 @@ from scipy import stats
 
 from tacos_validation.blind.cases import Case
 from tacos_validation.blind.figure import Figure, at_most, interval, middle, share
+from tacos_validation.blind.judgement import sureness
 from tacos_validation.blind.parameters_found import ParameterFound
 
 BINS = 10
@@ -35,10 +36,10 @@ class Bin:
 def presences(cases: Iterable[Case]) -> list[Stated]:
     """``present`` of every cause of every answer whose truth is fully known (all tiers but real cameras)."""
     return [
-        (sure, effect in case.there)
+        (sureness(cause), not case.there.isdisjoint((cause["effect"], *cause.get("alike", ()))))
         for case in cases
         if case.tier != "T5"
-        for effect, sure in zip(case.causes, case.sureness, strict=True)
+        for cause in case.answer.get("causes", ())
     ]
 
 

@@ -123,6 +123,8 @@ def test_one_frame_of_one_flat_does_not_tell_the_lens_from_the_light(effects):
     flat = taken([capture("flat", "flat", 120.0, frames=1)], [make(effects, "vignetting", k1=-0.3)])
     found = run(flat, more)
     assert {"vignetting", "illumination-gradient"} <= set(found.cause_set)
+    assert found.causes[0].is_proven  # one of them is there for sure
+    assert {"vignetting", "illumination-gradient"} <= {found.causes[0].effect, *found.causes[0].alike}
     assert found.next_capture is not None
     assert found.next_capture.kind == "flat"
     assert "rotated" in found.next_capture.why

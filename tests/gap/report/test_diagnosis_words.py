@@ -11,7 +11,7 @@ from tacos_gap.answer.findings import Cause, Diagnosis, Parameter, Physical
 from tacos_gap.hypotheses.ambiguity import NextCapture
 from tacos_gap.inference.location import Place
 from tacos_gap.inference.unknown import Unexplained
-from tacos_gap.report import words
+from tacos_gap.report import summary, words
 from tacos_gap.report.gap_and_causes import parameter_table
 from tacos_gap.report.photographed import nuisance_rows, photographed
 from tacos_report.page import ContactSheet
@@ -139,6 +139,15 @@ def test_the_headline_says_which_of_several_is_not_proven() -> None:
     said = words.headline(found("partly_explained", *both))
     assert said.startswith("Motion blur and JPEG explain part of the gap: together they remove")
     assert ", but JPEG is not proven. The rest" in said
+
+
+def test_effects_that_captures_never_tell_apart_share_a_score_and_are_named_together() -> None:
+    blur = cause("defocus", present=0.9, alike=("lens-blur",), confused_with=("lens-blur",))
+    assert "lacks defocus or lens blur" in words.cause_sentence(blur)
+    diagnosis = found("explained", blur, cause_set=("defocus", "lens-blur", "motion-blur"))
+    said = summary.summary(diagnosis)
+    assert "defocus or lens-blur (score 0.90)" in said
+    assert "cannot be told from: motion-blur" in said
 
 
 def test_what_fits_and_is_not_proven_is_no_lack_of_the_simulator() -> None:
