@@ -16,6 +16,7 @@ from tacos_framework.plan.notes import (
     notes_on_search,
     notes_on_worlds,
 )
+from tacos_framework.plan.origins import notes_on_assumptions
 from tacos_framework.plan.units import doubts_of_units
 
 SHOWN = 5
@@ -37,6 +38,7 @@ def remarks(plan: Plan, *, verbose: bool) -> Iterator[str]:
         *notes_on_search(plan),
         *notes_on_catalogs(plan),
         *notes_on_constraints(plan),
+        *notes_on_assumptions(plan),
         *doubts_of_units(plan),
         *notes_on_middle(plan),
         *notes_on_worlds(plan),

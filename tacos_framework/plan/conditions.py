@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from tacos_framework.contracts import SceneBase, SensorBase, optional
-from tacos_framework.plan.feasibility import derived_of
+from tacos_framework.contracts import SceneBase, optional
+from tacos_framework.plan.origins import origins_of_parts, says_origins
 from tacos_framework.plan.plan import Plan
 from tacos_framework.recipe import NamedScenario, Scenario
 from tacos_framework.variables.design_space import CatalogChoice
@@ -49,30 +49,18 @@ def _effect_words(use: str, settings: Mapping[str, Any]) -> str:
 
 def _noise_words(plan: Plan) -> Iterator[str]:
     """Of each sensor model that says where its figures come from: of how many parts they are assumed."""
-    middle = plan.space.decode([(gene.lower + gene.upper) / 2 for gene in plan.space.genes]).as_dict()
-    for node in plan.nodes.values():
-        if not callable(optional(node.cls, SensorBase, "origins")):
-            continue
+    for node in filter(says_origins, plan.nodes.values()):
         counts = ""
-        for variable in plan.space.variables:
-            if isinstance(variable, CatalogChoice):
-                told = (
-                    _is_assumed(plan, node.instance, {**middle, variable.name: row.as_dict()}, row.name)
-                    for row in variable.rows
-                )
-                known = [assumed for assumed in told if assumed is not None]
+        for choice in plan.space.variables:
+            if isinstance(choice, CatalogChoice):
+                try:
+                    known = [_is_assumed(origins) for _, origins in origins_of_parts(plan, node, choice)]
+                except Exception:  # noqa: BLE001 - a remark must not cost a study its results
+                    continue
                 if known:
                     counts = f", with figures assumed for {sum(known)} of {len(known)} parts"
         yield f"; noise by {node.use}{counts}"
 
 
-def _is_assumed(plan: Plan, sensor: Any, values: Mapping[str, Any], part: str) -> bool | None:
-    """True if a figure of the noise of a part is not its own; None where it is no camera's image sensor."""
-    if derived_of(plan, values) is None:
-        return None
-    try:
-        rig = plan.rig.instance.build(plan.rig_variables(values))
-        origins = [sensor.origins(each) for each in rig.cameras if each.electrons.sensor == part]
-    except Exception:  # noqa: BLE001 - a remark must not cost a study its results
-        return None
-    return any(origin not in STATED for each in origins for origin in each.values()) if origins else None
+def _is_assumed(origins: Mapping[str, str]) -> bool:
+    return any(origin not in STATED for origin in origins.values())

@@ -17,6 +17,7 @@ def test_equal_doubts_are_one_line_and_the_list_is_short(monkeypatch):
     monkeypatch.setattr(remarks, "notes_on_search", lambda plan: [])
     monkeypatch.setattr(remarks, "notes_on_catalogs", lambda plan: ["a note"])
     monkeypatch.setattr(remarks, "notes_on_constraints", lambda plan: [])
+    monkeypatch.setattr(remarks, "notes_on_assumptions", lambda plan: [])
     monkeypatch.setattr(remarks, "notes_on_middle", lambda plan: [])
     monkeypatch.setattr(remarks, "notes_on_worlds", lambda plan: [])
     monkeypatch.setattr(remarks, "notes_on_shown", lambda plan: [])
@@ -34,12 +35,13 @@ def test_equal_doubts_are_one_line_and_the_list_is_short(monkeypatch):
     assert len(others) == 6
 
 
-@pytest.mark.parametrize(("options", "lines"), [([], 8), (["--verbose"], 23)])
+@pytest.mark.parametrize(("options", "lines"), [([], 9), (["--verbose"], 24)])
 def test_the_shipped_catalog_of_sensors_fits_a_screen(capsys, options, lines):
     assert main(["headset_quick", "--check", *options]) == 0
     said = capsys.readouterr().out.splitlines()
     assert said[:1] == ["headset_quick: no faults."]
-    assert "Doubts about 15 of 43 parts of image_sensors" in said[1]
+    assert "sensor.camera assumes figures of 43 of 43 parts of image_sensors" in said[1]
+    assert "Doubts about 15 of 43 parts of image_sensors" in said[2]
     assert len(said) == lines
 
 
