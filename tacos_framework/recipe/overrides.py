@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
@@ -40,7 +41,7 @@ def with_overrides(
     faults: list[Fault] = []
     elsewhere: dict[Path, str] = {}
     for dotted, value in sets.items():
-        paths, found = _set(data, dotted, value)
+        paths, found = _set(data, dotted, deepcopy(value))  # a later key may set what is within it
         faults += found
         for path in paths:
             stale = [known for known in elsewhere if known[: len(path)] == path]
@@ -49,7 +50,7 @@ def with_overrides(
             elsewhere[path] = f"--set {dotted}"
     own = data.get("effects") or []
     if effects and isinstance(own, list):
-        data["effects"] = [*own, *effects]
+        data["effects"] = [*own, *deepcopy(effects)]
         elsewhere |= {("effects", len(own) + i): f"added effect {i + 1}" for i in range(len(effects))}
         elsewhere |= {("effects", len(own) + int(i), *below): at for (i, *below), at in places.items()}
     unread = frozenset(

@@ -86,6 +86,15 @@ def test_a_plain_value_fixes_the_setting_of_a_node_of_an_effect_and_of_the_scena
     assert [scenario["exposure_ms"] for scenario in data["scenario"]] == [7, 7]
 
 
+def test_what_is_set_within_a_value_stays_out_of_the_caller_s_value(file):
+    optimizer = {"use": "optimizer.genetic", "population": 4}
+    effect = {"use": "effect.toy-dim", "name": "dawn"}
+    changed = load_recipe(file, {"optimizer": optimizer, "optimizer.start": "largest"}, effects=[effect])
+    assert changed.optimizer.settings["start"] == "largest"
+    assert optimizer == {"use": "optimizer.genetic", "population": 4}
+    assert "start" not in load_recipe(file, {"optimizer": optimizer}).optimizer.settings
+
+
 def test_an_effect_may_be_fixed_by_its_number(file):
     assert changed(file, design__effects__1__share=0.3)["effects"][1]["share"] == 0.3
 
