@@ -256,11 +256,17 @@ def test_no_worker_outlives_the_parent(tmp_path, how):
         wait_until(lambda worker=worker: gone(int(worker.name)), f"worker {worker.name} ends")
 
 
-@pytest.mark.parametrize("way", ["-", "/dev/fd/0"])
-def test_a_script_that_cannot_be_read_twice_is_told_to_be_saved(way: str) -> None:
+@pytest.mark.parametrize(("way", "named"), [("-", "standard input"), ("/dev/fd/0", "/dev/fd/0")])
+@pytest.mark.parametrize("guard", ["if __name__ == '__main__':", "if True:"])
+def test_a_script_that_cannot_be_read_twice_is_told_to_be_saved(way: str, named: str, guard: str) -> None:
+    """A guard would not help it, so that none is asked for."""
     script = (
-        "from tacos_plugins.executors.pool import _script_that_is_no_file\n"
-        "if __name__ == '__main__':\n    print(_script_that_is_no_file())\n"
+        "from tacos_plugins.executors.process import ProcessExecutor\n"
+        f"{guard}\n"
+        "    list(ProcessExecutor(ProcessExecutor.Config(workers=1)).map(abs, [1]))\n"
     )
-    said = subprocess.run([sys.executable, way], input=script, capture_output=True, text=True, check=True)
-    assert said.stdout.strip() == ("standard input" if way == "-" else way)
+    said = subprocess.run([sys.executable, way], input=script, capture_output=True, text=True, check=False)
+    assert said.returncode == 1
+    assert f"the script that starts them, and {named} cannot be read twice" in said.stderr
+    assert "Save the script as a file and run that, or set executor: {use: executor.local}" in said.stderr
+    assert "keep their work below" not in said.stderr

@@ -145,6 +145,31 @@ def test_a_gradient_over_a_texture_keeps_the_texture_and_its_mean() -> None:
     assert float(areas @ tone) == pytest.approx(mean, rel=0.03)
 
 
+@settings(max_examples=40, deadline=None)
+@given(
+    corners=st.lists(st.tuples(*[st.floats(0.01, 1)] * 3), min_size=4, max_size=4),
+    base=st.tuples(*[st.floats(0, 1)] * 3),
+)
+def test_any_colours_over_a_texture_keep_it_and_tint_each_place(
+    corners: list[tuple[float, ...]], base: tuple[float, ...]
+) -> None:
+    """Within the steps that a gradient is cut into; nothing of the surface is lost."""
+    texture = np.zeros((2, 2, 3), np.uint8)
+    skin = Skin("w", np.array(base), texture=texture)
+    colours = np.array(corners)
+    parts, skins, _ = tinted([patch(colours, SQUARE[:, :2])], [skin])
+    assert sum(part.areas_m2.sum() for part in parts) == pytest.approx(1)
+    for part in parts:
+        tint = skins[part.skin]
+        assert tint.texture is texture
+        np.testing.assert_allclose(part.uv, part.vertices_m[:, :2], atol=1e-9)
+        assert (tint.base_colour >= np.array(base) * colours.min(axis=0) - 2e-3).all()
+        assert (tint.base_colour <= np.array(base) * colours.max(axis=0) + 2e-3).all()
+    weights = np.array([part.areas_m2.sum() for part in parts])
+    mean = weights @ np.stack([skins[part.skin].base_colour for part in parts])
+    np.testing.assert_allclose(mean, np.array(base) * colours[TWO].mean(axis=(0, 1)), atol=0.03)
+
+
 def test_colours_without_a_texture_multiply_the_colour_of_the_material() -> None:
     colours = np.linspace(0.2, 1, 4)[:, None] * np.ones((1, 3))
     skin = Skin("w", np.array([1.0, 0, 0]), roughness=0.2, metallic=1.0)
