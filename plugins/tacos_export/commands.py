@@ -84,21 +84,21 @@ def _dataset(arguments: argparse.Namespace) -> int:
 
 
 class _Written:
-    """Counts the frames that are written; says how many, and how long the rest may take, now and then.
-
-    The first frame takes the building and its light along, and tells nothing of the others.
-    """
+    """Counts the frames that are written; says how many, and how long the rest may take, now and then."""
 
     def __init__(self, frames: int) -> None:
-        self._frames, self._said_s, self.count = frames, time.monotonic(), 0
+        from tacos_framework import Pace
+
+        self._pace, self._said_s = Pace("Frames", frames), time.monotonic()
+
+    @property
+    def count(self) -> int:
+        return self._pace.done
 
     def __call__(self, count: int) -> None:
-        from tacos_framework import LONGEST_SILENCE_S, Pace
+        from tacos_framework import LONGEST_SILENCE_S
 
-        if not self.count:
-            self._pace, self._before = Pace("Frames", self._frames - count), count
-        self.count = count
-        self._pace.done = count - self._before
+        self._pace.done = count
         if time.monotonic() - self._said_s >= LONGEST_SILENCE_S:
             print(self._pace, file=sys.stderr)
             self._said_s = time.monotonic()

@@ -32,7 +32,7 @@ class Pace:
     >>> for now_s in (90.0, 100.0):
     ...     pace.done += 1
     ...     print(pace)
-    Designing: 1 of 4 done, at most 0:04:30 left
+    Designing: 1 of 4 done
     Designing: 2 of 4 done, about 0:00:20 left
     """
 
@@ -51,16 +51,21 @@ class Pace:
         self._seen.append((count, self._clock()))
 
     def __str__(self) -> str:
-        """Share done, and, once something is, the time left at the pace of the later half of it."""
+        """Share done, and the time left at the pace of its later half.
+
+        The first is no pace: it reads and lights the world, and made estimates of up to 15 times too much.
+        """
         if self.total is None or self.done > self.total:  # an estimate that what is scored again exceeds
             return f"{self.title}: {self.done} done"
         so_far = f"{self.title}: {self.done} of {self.total} done"
         left = self.total - self.done
-        if not self.done or left <= 0:
+        if self.done < 2 or left <= 0:
             return so_far
         first, since_s = next(seen for seen in reversed(self._seen) if seen[0] <= self.done // 2)
+        if not first:
+            return so_far
         left_s = (self._clock() - since_s) / (self.done - first) * left
-        return f"{so_far}, {'about' if first else 'at most'} {timedelta(seconds=round(left_s))} left"
+        return f"{so_far}, about {timedelta(seconds=round(left_s))} left"
 
 
 class Logged:
