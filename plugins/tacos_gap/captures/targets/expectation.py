@@ -28,7 +28,7 @@ from tacos_gap.captures.targets.even_noise import even_noise
 from tacos_gap.captures.targets.photon_transfer import pooled_noise, zero_levels_dn
 from tacos_gap.captures.targets.slanted_edge import find_edge, sharp_edge
 from tacos_gap.captures.targets.two_tone import with_print
-from tacos_gap.captures.targets.wall import even_expectation
+from tacos_gap.captures.targets.wall import even_expectation, smooth_light
 
 LEVEL_UNCERTAINTY = 0.05
 """Of a level that was read from the pictures themselves: a twentieth, the bend a lens leaves at the principal
@@ -206,13 +206,17 @@ def _brackets(captures: Sequence[RealCapture]) -> Iterator[Expected]:
             )
             continue
         bracket = measure_bracket(members)
+        mosaic = members[0].context.cfa is not None and bracket.rate.shape[-1] == 1
+        even = smooth_light(bracket.rate, mosaic=mosaic)
+        if even is not None:
+            bracket = replace(bracket, rate=even)
         for each in members:
             expected = replace(
                 each,
                 expected_dn=expected_of(bracket, each),
                 valid=each.valid & bracket.known,
                 level_uncertainty=max(each.level_uncertainty, LEVEL_UNCERTAINTY),
-                expected_frames=each.frames if each.frames > 1 else 0,
+                expected_frames=each.frames if each.frames > 1 and even is None else 0,
                 own_level=True,
             )
             yield Expected(expected)

@@ -11,6 +11,13 @@ TILES = 24
 
 _CELLS_OF_MOSAIC = ((0, 0), (0, 1), (1, 0), (1, 1))
 
+_EVEN = 0.005
+_BEYOND_NOISE = 2.0
+"""Most that tiles of an even surface part from its smooth light: rms over its level, and beside that variance
+over that of means of independent pixels."""
+_CORRELATED = 0.25
+"""Largest correlation of neighbours in what a sensor adds; in scenes they are alike."""
+
 
 def level_at(plane: NDArray[np.float32], centre_px: tuple[float, float]) -> float:
     """The level of an even surface at the principal point, where no lens darkens it [DN].
@@ -32,6 +39,34 @@ def shading(plane: NDArray[np.float32], *, has_defects: bool = True) -> NDArray[
     """
     smooth = smooth_terms(plane.shape) @ _shading_of(plane, has_defects)
     return np.asarray(smooth.reshape(plane.shape), np.float32)
+
+
+def smooth_light(light: NDArray[np.float64], *, mosaic: bool) -> NDArray[np.float64] | None:
+    """(H, W, C) the smooth part of light on an even surface; None where the light is that of a scene.
+
+    What an image sensor adds from pixel to pixel is left out, so that it is not taken for the surface's own.
+
+    - `light`: (H, W, C), of any unit.
+    - `mosaic`: as in `even_expectation`.
+    """
+    smooth = np.empty_like(light)
+    for channel in range(light.shape[-1]):
+        for row, column in _CELLS_OF_MOSAIC if mosaic else ((0, 0),):
+            cells = np.s_[row::2, column::2, channel] if mosaic else np.s_[:, :, channel]
+            plane = np.ascontiguousarray(light[cells], np.float32)
+            smooth[cells] = shading(plane)
+            if not _is_white(plane - smooth[cells].astype(np.float32), _EVEN * float(plane.mean())):
+                return None
+    return smooth
+
+
+def _is_white(rest: NDArray[np.float32], negligible: float) -> bool:
+    """True if neighbours of an (H, W) picture are independent, and tiles but for a little as even as then."""
+    tiles, variance = _in_tiles(rest), float(rest.var())
+    pixels = rest.size / tiles.size
+    beside = float(np.mean(rest[:, 1:] * rest[:, :-1]) + np.mean(rest[1:] * rest[:-1])) / 2
+    even = float(np.mean(tiles**2)) <= negligible**2 + _BEYOND_NOISE * variance / pixels
+    return even and abs(beside) <= negligible**2 + _CORRELATED * variance
 
 
 def even_expectation(
@@ -69,18 +104,20 @@ def _shading_of(plane: NDArray[np.float32], has_defects: bool = True) -> NDArray
     Vignetting is even in the radius up to r^6, a lamp a plane; the fourth degree holds both to a thousandth
     over the severities of lenses in use (EMVA 1288 release 4, 8.1, fits the second degree for lamps alone).
     """
-    height, width = plane.shape
-    step = max(1, max(height, width) // TILES)
     smooth = np.ascontiguousarray(plane, np.float32)
     if has_defects and min(plane.shape) > 4:
         smooth = np.asarray(cv2.medianBlur(smooth, 5), np.float32)
-    tiles = cv2.resize(
-        smooth,
-        (max(width // step, 1), max(height // step, 1)),
-        interpolation=cv2.INTER_AREA,
-    )
+    tiles = _in_tiles(smooth)
     found, *_ = np.linalg.lstsq(smooth_terms(tiles.shape), tiles.ravel().astype(np.float64), rcond=1e-8)
     return np.asarray(found)
+
+
+def _in_tiles(plane: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Means of square tiles of an (H, W) picture."""
+    height, width = plane.shape
+    step = max(1, max(height, width) // TILES)
+    size = max(width // step, 1), max(height // step, 1)
+    return np.asarray(cv2.resize(plane, size, interpolation=cv2.INTER_AREA), np.float32)
 
 
 def _centres(count: int) -> NDArray[np.float64]:

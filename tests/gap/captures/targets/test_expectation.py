@@ -47,6 +47,22 @@ def test_the_filters_of_a_mosaic_have_levels_of_their_own():
     assert level_at(mosaic[..., 0], (79.5, 59.5)) == pytest.approx(115, rel=0.4)
 
 
+def test_a_bracket_of_a_wall_expects_nothing_of_the_sensor_s_own_pattern(plugins):
+    times_s = (0.005, 0.01, 0.02)
+    pattern = [effect(plugins, "prnu", sigma=0.02), effect(plugins, "vignetting", k1=-0.2)]
+    series = [
+        alone("bracket", 8000 * time_s, pattern, id=f"b{k}", group="g", context=_at(time_s))
+        for k, time_s in enumerate(times_s)
+    ]
+    found, _ = with_own_expectations(series)
+    for each, time_s in zip(found, times_s, strict=True):
+        expected = each.expected_dn[0, ..., 0]
+        assert np.abs(np.diff(expected)).max() < 0.005 * expected.mean(), "smooth"
+        assert np.ptp(expected) > 0.1 * expected.mean(), "and shaded as the wall is"
+        assert expected[HEIGHT // 2, WIDTH // 2] == pytest.approx(8000 * time_s + BLACK_DN, rel=0.02)
+        assert each.expected_frames == 0
+
+
 def test_a_bracket_expects_light_in_proportion_to_time():
     times_s = (0.005, 0.01, 0.02, 0.04)
     light = patchwork() * 0.5
@@ -59,6 +75,7 @@ def test_a_bracket_expects_light_in_proportion_to_time():
     for each, time_s in zip(found, times_s, strict=True):
         expected = each.expected_dn[0, each.valid, 0] - BLACK_DN
         assert np.median(expected / (light * time_s / 0.01)[each.valid]) == pytest.approx(1, abs=0.02)
+        assert each.expected_frames == each.frames, "a scene is expected as it was seen, noise and all"
 
 
 def _at(time_s):
