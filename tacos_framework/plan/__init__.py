@@ -22,6 +22,7 @@
 ``bounded``     what constraints bound and objectives aim at
 ``feasibility`` whether any camera keeps the constraints
 ``notes``       what nobody knows about parts that keep them, and which products do not
+``origins``     which figures of parts are known, and which assumed
 ``conditions``  what is simulated, in a sentence
 ``units``       figures that are probably in another unit
 ``procedure``   recipes that are no study
