@@ -92,8 +92,8 @@ class SensorBase:
     whose cameras it can serve is refused with it; a candidate it cannot serve fails."""
 
     origins: Callable[[Camera], Mapping[str, str]] | None = None
-    """Origin of each figure of a camera's noise: figure -> ``catalog``, ``settings``, or a phrase.
-    Results and exported cameras repeat it."""
+    """Origin of each figure of a camera's noise: figure -> ``catalog``, ``settings``, or a phrase, which
+    begins with "assumed" where nobody states the figure. Results and exported cameras repeat it."""
 
     behind: Callable[[Sequence[Camera]], Sensor] | None = None
     """The sensor as it is behind the cameras of a rig, which share the range of their files: with the

@@ -6,13 +6,10 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from tacos_framework.contracts import SceneBase, optional
-from tacos_framework.plan.origins import origins_of_parts, says_origins
+from tacos_framework.plan.notes import catalog_choices
+from tacos_framework.plan.origins import assumed_figures, cameras_of_parts, says_origins
 from tacos_framework.plan.plan import Plan
 from tacos_framework.recipe import NamedScenario, Scenario
-from tacos_framework.variables.design_space import CatalogChoice
-
-STATED = ("catalog", "settings")
-"""Origins of figures of noise that belong to the part itself; see `SensorBase.origins`."""
 
 
 def conditions(plan: Plan) -> str:
@@ -51,16 +48,11 @@ def _noise_words(plan: Plan) -> Iterator[str]:
     """Of each sensor model that says where its figures come from: of how many parts they are assumed."""
     for node in filter(says_origins, plan.nodes.values()):
         counts = ""
-        for choice in plan.space.variables:
-            if isinstance(choice, CatalogChoice):
-                try:
-                    known = [_is_assumed(origins) for _, origins in origins_of_parts(plan, node, choice)]
-                except Exception:  # noqa: BLE001 - a remark must not cost a study its results
-                    continue
-                if known:
-                    counts = f", with figures assumed for {sum(known)} of {len(known)} parts"
+        for choice in catalog_choices(plan):
+            try:
+                assumed = assumed_figures(node, cameras_of_parts(plan, choice))
+            except Exception:  # noqa: BLE001 - a remark must not cost a study its results
+                continue
+            if assumed:
+                counts = f", with figures assumed for {sum(map(bool, assumed))} of {len(assumed)} parts"
         yield f"; noise by {node.use}{counts}"
-
-
-def _is_assumed(origins: Mapping[str, str]) -> bool:
-    return any(origin not in STATED for origin in origins.values())

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tacos_framework.catalog import CatalogPart, Grade, in_words
-from tacos_framework.contracts import OptimizerBase, RigBase, SceneBase, SensorBase, optional
-from tacos_framework.plan.component import ConfiguredComponent
+from tacos_framework.contracts import OptimizerBase, RigBase, SceneBase, optional
 from tacos_framework.plan.feasibility import derived_of, infeasible
 from tacos_framework.plan.plan import Plan
 from tacos_framework.variables.design_space import CatalogChoice
@@ -48,7 +47,7 @@ def notes_on_search(plan: Plan) -> Iterator[str]:
 
 def notes_on_catalogs(plan: Plan) -> Iterator[str]:
     """On parts that cannot be chosen, by the reason."""
-    for variable in _catalog_choices(plan):
+    for variable in catalog_choices(plan):
         by_reason: dict[str, list[str]] = {}
         for name, reason in variable.reasons.items():
             by_reason.setdefault(reason, []).append(name)
@@ -76,7 +75,7 @@ class DoubtedParts:
 
 def doubted_parts(plan: Plan) -> Iterator[DoubtedParts]:
     """Of each catalog a study chooses from, the doubts about its parts, where there are any."""
-    for variable in _catalog_choices(plan):
+    for variable in catalog_choices(plan):
         found: dict[str, tuple[str, ...]] = {}
         for part in variable.rows:
             for doubt in part.doubts:
@@ -86,7 +85,7 @@ def doubted_parts(plan: Plan) -> Iterator[DoubtedParts]:
             yield DoubtedParts(variable.catalog.name, len(variable.rows), many_first)
 
 
-def _catalog_choices(plan: Plan) -> Iterator[CatalogChoice]:
+def catalog_choices(plan: Plan) -> Iterator[CatalogChoice]:
     return (each for each in plan.space.variables if isinstance(each, CatalogChoice))
 
 
@@ -122,7 +121,7 @@ def notes_on_bounds(plan: Plan, values: Mapping[str, Any]) -> Iterator[str]:
 
 def notes_on_camera(plan: Plan, values: Mapping[str, Any]) -> Iterator[str]:
     """Sentences on one camera: doubts about its parts, what to ask their makers, what its rig says."""
-    for variable in _catalog_choices(plan):
+    for variable in catalog_choices(plan):
         name = values.get(variable.name, {}).get("name")
         for row in variable.rows:
             if row.name == name:
@@ -138,7 +137,7 @@ def notes_on_camera(plan: Plan, values: Mapping[str, Any]) -> Iterator[str]:
 
 def notes_on_middle(plan: Plan) -> Iterator[str]:
     """Sentences on the camera in the middle of the design space, where no parts are chosen for it."""
-    if next(_catalog_choices(plan), None) is None:
+    if next(catalog_choices(plan), None) is None:
         yield from (
             f"In the middle of the design space: {said}" for said in notes_on_camera(plan, middle(plan))
         )
@@ -147,45 +146,6 @@ def notes_on_middle(plan: Plan) -> Iterator[str]:
 def middle(plan: Plan) -> Mapping[str, Any]:
     """Values in the middle of the design space."""
     return plan.space.decode([(gene.lower + gene.upper) / 2 for gene in plan.space.genes]).as_dict()
-
-
-def notes_on_noise(plan: Plan, cameras: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Sentences on where noise, and what effects assume of cameras, come from, as their components say."""
-    sensors_by_origin: dict[tuple[str, str], list[str]] = {}
-    for name, part in {**plan.nodes, **{f"effects.{each.name}": each for each in plan.effects}}.items():
-        if not callable(optional(part.cls, SensorBase, "origins")):
-            continue
-        for values in cameras:
-            if any(variable.startswith(f"{name}.") for variable in values):
-                continue  # its settings are designed: the plan holds no model of this camera
-            try:
-                for sensor, phrase in _origins(plan, name, part, values):
-                    simulated = "Noise" if name in plan.nodes else part.use
-                    sensors_by_origin.setdefault((simulated, phrase), []).append(sensor)
-            except Exception as error:  # noqa: BLE001 - a remark must not cost a study its results
-                yield f"{part.origin} has remarks on cameras, but fails to say them: {error}"
-    for (simulated, phrase), sensors in sensors_by_origin.items():
-        yield f"{simulated} simulated for {', '.join(dict.fromkeys(sensors))}: {phrase}."
-
-
-def _origins(
-    plan: Plan, node: str, part: ConfiguredComponent, values: Mapping[str, Any]
-) -> Iterator[tuple[str, str]]:
-    """Name of each image sensor of a camera, and the origins of its figures as one phrase."""
-    variables = plan.rig_variables(values)
-    with plan.rig.calling("build"):
-        rig = plan.rig.instance.build(variables)
-    for camera in rig.cameras:
-        with part.calling(f"origins of {node!r}"):
-            origins = dict(part.instance.origins(camera))
-        if not origins:
-            continue
-        phrases = (f"{in_words(figure)} {_phrase(origin)}" for figure, origin in origins.items())
-        yield camera.electrons.sensor or "a sensor without a name", "; ".join(phrases)
-
-
-def _phrase(origin: str) -> str:
-    return {"catalog": "as the catalog states", "settings": "as the recipe sets"}.get(origin, origin)
 
 
 def _to_be_asked(part: CatalogPart) -> Iterator[str]:
@@ -206,7 +166,7 @@ def _unknown_parts(plan: Plan) -> Iterator[tuple[str, CatalogChoice, tuple[str, 
     circle.
     """
     values = middle(plan)
-    for variable in _catalog_choices(plan):
+    for variable in catalog_choices(plan):
         candidates = [{**values, variable.name: row.as_dict()} for row in variable.rows]
         unknown = [plan.unknown(each, derived_of(plan, each) or {}) for each in candidates]
         for constraint in plan.constraints:

@@ -18,9 +18,9 @@ from tacos_framework.plan.notes import (
     notes_on_camera,
     notes_on_catalogs,
     notes_on_constraints,
-    notes_on_noise,
     notes_on_search,
 )
+from tacos_framework.plan.origins import notes_on_noise
 from tacos_framework.simulation import Evaluation
 from tacos_framework.study.degenerate import degenerate
 from tacos_framework.study.kept_evaluation import as_data

@@ -15,8 +15,8 @@ def test_line_times_that_no_maker_states_are_counted():
     assert any(each.startswith("sensor.camera assumes figures of 43 of 43 parts") for each in said)
     (motion,) = [each for each in said if each.startswith("effect.motion")]
     assert motion.endswith("parts of image_sensors: line time (8).")
-    by_part = {"effects": [{"use": "effect.motion", "row_time_us": 20}]}
-    said = notes_on_assumptions(make_plan(load_recipe("headset_moving", by_part), plugins))
+    one_for_all = {"effects": [{"use": "effect.motion", "row_time_us": 20}]}
+    said = notes_on_assumptions(make_plan(load_recipe("headset_moving", one_for_all), plugins))
     assert not any(each.startswith("effect.motion") for each in said)
 
 

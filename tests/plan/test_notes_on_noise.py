@@ -5,7 +5,7 @@ from __future__ import annotations
 from toy_study import FROM_CATALOG
 
 from tacos_framework.plan import make_plan
-from tacos_framework.plan.notes import notes_on_noise
+from tacos_framework.plan.origins import notes_on_noise
 from tacos_framework.recipe import Recipe
 from tacos_framework.variables.design_space import CatalogChoice
 

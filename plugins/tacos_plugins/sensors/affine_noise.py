@@ -150,7 +150,7 @@ class AffineNoise:
         """One calibration stands for every image sensor; see `SensorBase.origins`."""
         calibration = self.calibration
         scaled = "" if camera.pixel_um == calibration.pixel_um else ", scaled by the area of the photosites"
-        return {"noise": f"measured on {calibration.title}{scaled}"}
+        return {"noise": f"assumed as measured on {calibration.title}{scaled}"}
 
     def dn_per_luminance(self, exposure: Exposure) -> float:
         """Signal above black that one cd/m2 makes [DN / (cd/m2)]."""
