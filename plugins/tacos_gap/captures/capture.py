@@ -118,6 +118,11 @@ class RealCapture:
     def frames(self) -> int:
         return len(self.real_dn)
 
+    @property
+    def is_mosaic(self) -> bool:
+        """True if the one channel of its files holds a colour filter array."""
+        return self.context.cfa is not None and self.real_dn.shape[-1] == 1
+
     def of_at_most(self, pixels: int) -> RealCapture:
         """With as many of its repeated frames as hold so many pixels, but two where there are two."""
         assert self.expected_dn is None or len(self.expected_dn) in (1, self.frames)

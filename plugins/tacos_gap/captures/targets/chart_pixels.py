@@ -25,7 +25,7 @@ def in_colour(image: NDArray[np.floating], cfa: str | None) -> NDArray[np.floati
 
 def in_file(boxes: NDArray[np.int64], capture: RealCapture) -> NDArray[np.int64]:
     """Boxes of the picture that `in_colour` gives, in the pixels of its file [px]."""
-    return boxes * 2 if capture.context.cfa is not None and capture.real_dn.shape[-1] == 1 else boxes
+    return boxes * 2 if capture.is_mosaic else boxes
 
 
 def filter_of(capture: RealCapture) -> NDArray[np.int64]:

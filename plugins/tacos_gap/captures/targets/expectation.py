@@ -121,9 +121,7 @@ def _wall(capture: RealCapture) -> Expected:
     mean = capture.real_dn.mean(axis=0)
     if np.mean(mean >= 0.98 * capture.context.white_level_dn) > _SATURATED:
         return Expected(capture, "most of its pixels are clipped, so its level is unknown; it is left out.")
-    expected = even_expectation(
-        mean, capture.geometry.centre_px, mosaic=capture.context.cfa is not None and mean.shape[-1] == 1
-    )
+    expected = even_expectation(mean, capture.geometry.centre_px, mosaic=capture.is_mosaic)
     return Expected(
         replace(
             capture,
@@ -206,8 +204,7 @@ def _brackets(captures: Sequence[RealCapture]) -> Iterator[Expected]:
             )
             continue
         bracket = measure_bracket(members)
-        mosaic = members[0].context.cfa is not None and bracket.rate.shape[-1] == 1
-        even = smooth_light(bracket.rate, mosaic=mosaic)
+        even = smooth_light(bracket.rate, mosaic=members[0].is_mosaic)
         if even is not None:
             bracket = replace(bracket, rate=even)
         for each in members:

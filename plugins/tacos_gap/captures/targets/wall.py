@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import product
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -9,12 +12,11 @@ from numpy.typing import NDArray
 TILES = 24
 """Tiles along the longer side that the shading is fitted to."""
 
-_CELLS_OF_MOSAIC = ((0, 0), (0, 1), (1, 0), (1, 1))
-
 _EVEN = 0.005
-_BEYOND_NOISE = 2.0
-"""Most that tiles of an even surface part from its smooth light: rms over its level, and beside that variance
-over that of means of independent pixels."""
+"""Deviation of an even surface from smooth light that is negligible, over its level: scenes have more."""
+_BEYOND_CHANCE = 2.0
+"""Variance of tiles, over that of means of as many independent pixels, from which on they have something in
+common."""
 _CORRELATED = 0.25
 """Largest correlation of neighbours in what a sensor adds; in scenes they are alike."""
 
@@ -50,23 +52,22 @@ def smooth_light(light: NDArray[np.float64], *, mosaic: bool) -> NDArray[np.floa
     - `mosaic`: as in `even_expectation`.
     """
     smooth = np.empty_like(light)
-    for channel in range(light.shape[-1]):
-        for row, column in _CELLS_OF_MOSAIC if mosaic else ((0, 0),):
-            cells = np.s_[row::2, column::2, channel] if mosaic else np.s_[:, :, channel]
-            plane = np.ascontiguousarray(light[cells], np.float32)
-            smooth[cells] = shading(plane)
-            if not _is_white(plane - smooth[cells].astype(np.float32), _EVEN * float(plane.mean())):
-                return None
+    for plane in _planes(light.shape[-1], mosaic):
+        seen = np.ascontiguousarray(light[plane], np.float32)
+        even = shading(seen)
+        if not _is_of_pixels(seen - even, _EVEN * float(seen.mean())):
+            return None
+        smooth[plane] = even
     return smooth
 
 
-def _is_white(rest: NDArray[np.float32], negligible: float) -> bool:
-    """True if neighbours of an (H, W) picture are independent, and tiles but for a little as even as then."""
+def _is_of_pixels(rest: NDArray[np.float32], negligible: float) -> bool:
+    """True if an (H, W) picture varies from pixel to pixel alone, in tiles by chance."""
     tiles, variance = _in_tiles(rest), float(rest.var())
-    pixels = rest.size / tiles.size
+    chance = variance * tiles.size / rest.size
     beside = float(np.mean(rest[:, 1:] * rest[:, :-1]) + np.mean(rest[1:] * rest[:-1])) / 2
-    even = float(np.mean(tiles**2)) <= negligible**2 + _BEYOND_NOISE * variance / pixels
-    return even and abs(beside) <= negligible**2 + _CORRELATED * variance
+    alike = float(np.mean(tiles**2)) > negligible**2 + _BEYOND_CHANCE * chance
+    return not alike and abs(beside) <= negligible**2 + _CORRELATED * variance
 
 
 def even_expectation(
@@ -80,16 +81,18 @@ def even_expectation(
       own.
     """
     expected = np.empty_like(mean_dn)
-    for channel in range(mean_dn.shape[-1]):
-        plane = mean_dn[..., channel]
-        if not mosaic:
-            expected[..., channel] = level_at(plane, centre_px)
-            continue
-        for row, column in _CELLS_OF_MOSAIC:
-            phase = np.ascontiguousarray(plane[row::2, column::2])
-            centre = (centre_px[0] - column) / 2, (centre_px[1] - row) / 2
-            expected[row::2, column::2, channel] = level_at(phase, centre)
+    for plane in _planes(mean_dn.shape[-1], mosaic):
+        rows, columns, _ = plane
+        centre = (centre_px[0] - columns.start) / columns.step, (centre_px[1] - rows.start) / rows.step
+        expected[plane] = level_at(np.ascontiguousarray(mean_dn[plane]), centre)
     return expected
+
+
+def _planes(channels: int, mosaic: bool) -> Iterator[tuple[slice, slice, int]]:
+    """Of an (H, W, C) image the pixels of each channel, or of each filter of a mosaic."""
+    step = 2 if mosaic else 1
+    for channel, row, column in product(range(channels), range(step), range(step)):
+        yield slice(row, None, step), slice(column, None, step), channel
 
 
 def smooth_terms(shape: tuple[int, ...]) -> NDArray[np.float64]:
