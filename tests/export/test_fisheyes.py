@@ -51,10 +51,7 @@ def test_opencv_finds_every_pixel_where_the_rendered_image_has_it(name: str, tmp
     """What each pixel shows, a point of the world by depth and ray, is projected by OpenCV's fisheye."""
     setup = fisheyes(name)
     _, limitations = write_camera_files(tmp_path, describe_cameras(setup))
-    storage = cv2.FileStorage(str(tmp_path / "left_opencv.yaml"), cv2.FILE_STORAGE_READ)
-    matrix = storage.getNode("camera_matrix").mat()
-    coefficients = storage.getNode("distortion_coefficients").mat().ravel()
-    assert storage.getNode("fisheye_model").real() == 1
+    matrix, coefficients, _ = _read(tmp_path / "left_opencv.yaml")
     assert len(coefficients) == 4
 
     frame = next(iter(setup.frames(1, seed=0)))
@@ -171,6 +168,7 @@ def test_opencv_rectifies_a_full_sized_pair_from_its_files(
 def _read(file: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Camera matrix, coefficients, and the camera's pose in the body, as OpenCV reads them."""
     storage = cv2.FileStorage(str(file), cv2.FILE_STORAGE_READ)
+    assert storage.getNode("fisheye_model").real() == 1
     names = ("camera_matrix", "distortion_coefficients", "body_from_camera")
     matrix, coefficients, pose = (storage.getNode(name).mat() for name in names)
     return matrix, coefficients.ravel(), pose

@@ -62,7 +62,8 @@ def causes_of(
         rivals = sorted(
             (n for n in probabilities if n not in ("", term.name)), key=lambda n: -probabilities[n]
         )
-        alike = list(confused_with(term.name, effects, captures))
+        confused = list(confused_with(term.name, effects, captures))
+        alike = tuple(name for name in confused if name not in best.names)
         group = {term.name, *alike}
         certainty = min(sum(probabilities.get(name, 0.0) for name in group), _LARGEST_PROBABILITY)
         rest = problem.residual(without(best.hypothesis, term.name))
@@ -83,11 +84,11 @@ def causes_of(
                 closure_interval=closures.alone[term.name].interval,
                 not_held_out=held_out.why_not(term.name),
                 shapley=closures.fair[term.name].value,
-                confused_with=tuple(dict.fromkeys([*alike, *near])),
+                confused_with=tuple(dict.fromkeys([*confused, *near])),
                 evidence=_evidence(problem, best, term, attribution),
                 settings=_settings(term),
                 specimen=tuple(n for n in term.settings if of_specimen(term.cls.Config, n)),
-                alike=tuple(alike),
+                alike=alike,
             )
         )
         start = stop
