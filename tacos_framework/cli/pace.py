@@ -51,9 +51,10 @@ class Pace:
         self._seen.append((count, self._clock()))
 
     def __str__(self) -> str:
-        """Share done, and the time left at the pace of its later half.
+        """Share done, and the time left at the pace of the last half of the steps or, if later, of the time.
 
         The first is no pace: it reads and lights the world, and made estimates of up to 15 times too much.
+        What is taken from an earlier run is none either: it takes no time.
         """
         if self.total is None or self.done > self.total:  # an estimate that what is scored again exceeds
             return f"{self.title}: {self.done} done"
@@ -61,10 +62,14 @@ class Pace:
         left = self.total - self.done
         if self.done < 2 or left <= 0:
             return so_far
-        first, since_s = next(seen for seen in reversed(self._seen) if seen[0] <= self.done // 2)
+        now_s = self._clock()
+        halfway_s = (self._seen[0][1] + now_s) / 2
+        first, since_s = next(
+            (count, s) for count, s in reversed(self._seen) if count <= self.done // 2 or s <= halfway_s
+        )
         if not first:
             return so_far
-        left_s = (self._clock() - since_s) / (self.done - first) * left
+        left_s = (now_s - since_s) / max(self.done - first, 1) * left
         return f"{so_far}, about {timedelta(seconds=round(left_s))} left"
 
 

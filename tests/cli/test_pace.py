@@ -62,6 +62,16 @@ def test_what_the_first_has_read_and_lit_is_no_pace(first_s: float) -> None:
         assert int(minutes) * 60 + int(seconds) == 100 - done
 
 
+def test_what_an_earlier_run_has_left_is_no_pace() -> None:
+    """24 studies of 160 were read, six took 50 s each: half an hour was said to be left in place of two."""
+    clock = Clock()
+    pace = Pace("Running studies", 160, clock)
+    for done in range(1, 31):
+        clock.now_s += 0.05 if done <= 24 else 50.0
+        pace.done = done
+    assert str(pace) == "Running studies: 30 of 160 done, about 1:48:20 left"
+
+
 def test_of_an_unknown_whole_only_what_is_done_is_said() -> None:
     pace = Pace("Reading", None)
     pace.done = 3
