@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_export.conventions import depth_codes
+from tacos_export.conventions import depth_codes, in_file_world
 from tacos_export.dataset.frame import (
     Dataset,
     box_of,
@@ -71,7 +71,8 @@ class BopWriter:
                 poses.append({"obj_id": thing, **_rigid(pose, "m2c")})
                 infos.append(_info(whole, visible, depth > 0))
             matrix = view.camera.intrinsics.ravel().tolist()
-            entry = {"cam_K": matrix, "depth_scale": 1.0, **_rigid(camera_from_world, "w2c")}
+            camera_from_file = invert_pose(in_file_world(view.world_from_camera[0], frame.episode.world))
+            entry = {"cam_K": matrix, "depth_scale": 1.0, **_rigid(camera_from_file, "w2c")}
             for table, value in zip(self._tables[i].values(), (entry, poses, infos), strict=True):
                 table[str(index)] = value
 

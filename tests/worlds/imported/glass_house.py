@@ -9,6 +9,7 @@ import trimesh
 from PIL import Image
 
 UTM_M = np.array([448262.37, 5411932.61, 212.0])
+TABLE_M = ((3.0, 2.4, 0.0), (4.2, 3.2, 0.75))
 
 
 def _material(name: str, colour: tuple[int, ...], **more: object) -> trimesh.visual.material.PBRMaterial:
@@ -59,7 +60,7 @@ def glass_house(file: Path) -> Path:
         ("wall east", (10, 0, 0), (10.1, 6, 2.8)),
     ):
         box(name, low, high, white)
-    box("Table", (3, 2.4, 0), (4.2, 3.2, 0.75), grey)
+    box("Table", *TABLE_M, grey)
     box("door sill", (7.4, 1.5, 0), (7.6, 4.5, 0.04), grey)
     box("pane", (4.98, 0, 0), (5.02, 2.5, 2.8), _material("glass", (200, 220, 255, 40), alphaMode="BLEND"))
     add("fence", _fence())
