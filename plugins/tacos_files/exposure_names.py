@@ -12,6 +12,9 @@ _TIME = re.compile(
 )
 """A decimal point or comma; the micro sign, or the Greek letter."""
 
+_THOUSANDS = re.compile(r"[1-9]\d{0,2},\d{3}")
+"""``8,000us`` is eight milliseconds to some, eight microseconds to others."""
+
 _DECIMAL = re.compile(r"^(\d+)_(\d+(?:ns|us|ms|s)_\d+)$", re.IGNORECASE)
 """A decimal point written as a line, before the number of the frame: ``0_5ms_3``."""
 
@@ -52,7 +55,9 @@ def time_in_name_ms(stem: str) -> float | None:
     stem = stem.replace("_", " ")
     if (whole := _TIME.search(stem)) is None or _PART_OF_FRACTION.search(stem[: whole.start()]):
         return None
-    return float(whole[1].replace(",", ".")) * _MS[whole[2].lower()]
+    if _THOUSANDS.fullmatch(whole[1]):
+        return None
+    return float(whole[1].replace(",", ".")) * _MS[whole[2].lower()] or None
 
 
 def possible_time_ms(stem: str) -> float | None:

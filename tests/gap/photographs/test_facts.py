@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
 from PIL import Image
 
-from tacos_files.exposure_names import time_in_name_ms
+from tacos_files.exposure_names import possible_time_ms, time_in_name_ms
 from tacos_framework.errors import UserError
 from tacos_gap.photographs.facts import read_facts
 from tests.gap.captures.dng import BYTE, LONG, RATIONAL, SHORT, dng
@@ -81,7 +84,50 @@ def test_fractions_of_a_second_in_names_are_fractions(joint: str, denominator: i
         ("2024-11-27_dark_1s", 1000.0),
         ("IMG_1-500s(2)", 2.0),
         ("cam1-250s", None),  # camera 1, or a 250th
+        ("dark_8,000us", None),  # eight milliseconds, or microseconds
+        ("dark_0,125s", 125.0),
+        ("dark_0ms", None),
     ],
 )
 def test_what_a_name_may_mean_twice_is_no_time(stem: str, time_ms: float | None) -> None:
     assert time_in_name_ms(stem) == (None if time_ms is None else pytest.approx(time_ms))
+
+
+WORDS = st.text("abcdefghijkmoqrvxyz", min_size=1, max_size=8)
+UNITS = {"s": 1e3, "sec": 1e3, "ms": 1.0, "msec": 1.0, "us": 1e-3, "\u00b5s": 1e-3, "ns": 1e-6}
+
+
+@given(
+    before=WORDS,
+    joint=st.sampled_from([" ", "_", "_exp_", "_t", " exposure=", "(", "-shutter "]),
+    hundredths=st.integers(1, 10**7),
+    comma=st.booleans(),
+    gap=st.sampled_from(["", " ", "_"]),
+    unit=st.sampled_from([*UNITS]),
+    after=st.sampled_from(["", "_0", " (2)", "_dark", "_iso100", "-3"]),
+)
+def test_a_decimal_time_is_read_whatever_stands_around_it(
+    before: str, joint: str, hundredths: int, comma: bool, gap: str, unit: str, after: str
+) -> None:
+    number = f"{hundredths / 100:g}".replace(".", "," if comma else ".")
+    assume("e" not in number and not re.fullmatch(r"[1-9]\d{0,2},\d{3}", number))
+    stem = f"{before}{joint}{number}{gap}{unit}{after}"
+    expected = float(number.replace(",", ".")) * UNITS[unit]
+    for written in (stem, stem.upper() if unit != "\u00b5s" else stem):
+        assert time_in_name_ms(written) == pytest.approx(expected), written
+
+
+@given(
+    before=WORDS, denominator=st.integers(60, 8000), joint=st.sampled_from("-_ "), after=st.integers(0, 99)
+)
+def test_no_fraction_is_ever_taken_for_whole_seconds(
+    before: str, denominator: int, joint: str, after: int
+) -> None:
+    for stem in (f"{before}_1{joint}{denominator}s_{after}", f"1{joint}{denominator}s_{before}"):
+        assert time_in_name_ms(stem) in (None, pytest.approx(1000 / denominator)), stem
+
+
+@given(st.text("0123456789abdefmnstux_-+., ()[]=:\u00b5\u2044", max_size=24))
+def test_any_name_has_a_time_that_a_shutter_may_have_or_none(stem: str) -> None:
+    for time_ms in (time_in_name_ms(stem), possible_time_ms(stem)):
+        assert time_ms is None or time_ms > 0
