@@ -273,6 +273,30 @@ def test_a_black_and_bright_specular_material_is_a_metal(tmp_path: Path) -> None
     assert (skin.metallic, skin.base_colour.tolist()) == (1.0, [0.9, 0.7, 0.3])
 
 
+SHARES = st.floats(0, 1)
+
+
+@given(
+    diffuse=st.tuples(SHARES, SHARES, SHARES), specular=st.tuples(SHARES, SHARES, SHARES), glossiness=SHARES
+)
+def test_specular_glossiness_makes_no_light_and_no_mirror_of_what_is_dark(
+    tmp_path_factory: pytest.TempPathFactory,
+    diffuse: tuple[float, ...],
+    specular: tuple[float, ...],
+    glossiness: float,
+) -> None:
+    look = {"diffuseFactor": [*diffuse, 1], "specularFactor": specular, "glossinessFactor": glossiness}
+    materials = [{"extensions": {"KHR_materials_pbrSpecularGlossiness": look}}]
+    file = gltf(tmp_path_factory.mktemp("g"), materials=materials)
+    skin = read_model(file, most_px=64).skins[0]
+    assert skin.roughness == pytest.approx(1 - glossiness)
+    assert (skin.base_colour <= np.maximum(diffuse, specular) + 1e-12).all()
+    if max(specular) <= 0.25 or max(diffuse) >= 0.04:  # no metal
+        assert (skin.metallic, tuple(skin.base_colour)) == (0.0, diffuse)
+    else:
+        assert (skin.metallic, tuple(skin.base_colour)) == (1.0, specular)
+
+
 def test_metalness_of_a_texture_counts(tmp_path: Path) -> None:
     """Exporters leave the factor at 1 and paint 0 for what is no metal."""
     pbr = {"metallicRoughnessTexture": {"index": 0}}
