@@ -185,6 +185,16 @@ def test_studies_that_are_done_are_kept_and_a_broken_one_goes_on(
     assert result["claims"] == whole["claims"]
 
 
+def test_what_is_skipped_is_not_run(study, reporting_toys, tmp_path):
+    same = {"says": "Twins are equal.", "of": "joint", "over": ["joint"], "equal_within": 1}
+    claims = {"joint": {"says": "Joint beats frozen.", "of": "joint", "over": ["frozen"]}, "same": same}
+    recipe = asked(study, claims=claims, skip=["joint", "learner alone"])
+    result = run(recipe, out=tmp_path / "out", plugins=reporting_toys)
+    ran = {path.name for path in (tmp_path / "out" / "studies").iterdir()}
+    assert ran == {"both-joint-7", "both-joint-8"}
+    assert [(each["claim"], each["scoring"]) for each in result["claims"]] == [("same", "both")]
+
+
 # --- recipes ------------------------------------------------------------------------------------------------
 
 
@@ -194,6 +204,8 @@ def test_studies_that_are_done_are_kept_and_a_broken_one_goes_on(
         ({"claims": {"c": {"says": "s", "of": "joined", "over": ["frozen"]}}}, "no study 'joined'"),
         ({"change": {"other": {}}}, "keys for 'other', which no study uses"),
         ({"optional": ["rl"]}, "optional names no study 'rl'"),
+        ({"skip": ["jointly"]}, r"skip names no claim and no scoring 'jointly'\. Did you mean 'joint'"),
+        ({"skip": ["joint"]}, "skip leaves no claim"),
         ({"seeds": 1}, "greater than or equal to 2"),
     ],
 )

@@ -42,7 +42,7 @@ class ClaimsTested:
     Config = ClaimsConfig
 
     def __init__(self, config: ClaimsConfig) -> None:
-        self.config = config
+        self.config = config.without_skipped()
 
     def check(self, *, plugins: Plugins, seed: int) -> None:
         self._planned(plugins, seed)

@@ -62,6 +62,9 @@ class ClaimsConfig(Settings):
         (), help="Studies to leave out, with a note, where the packages they need are not installed."
     )
     claims: dict[str, Claim] = setting(help="The claims by name.", min_length=1)
+    skip: tuple[str, ...] = setting(
+        (), help="Claims and scorings to leave out by name, with the studies that no other claim names."
+    )
     source: str = setting("", help="Origin of the claims, e.g. a paper.")
 
     @model_validator(mode="after")
@@ -69,6 +72,18 @@ class ClaimsConfig(Settings):
         if wrong := list(self._misfits()):
             raise ValueError("; ".join(wrong))
         return self
+
+    def without_skipped(self) -> ClaimsConfig:
+        """The same without what `skip` names, and without studies that no claim is left to name."""
+        claims = {name: claim for name, claim in self.claims.items() if name not in self.skip}
+        named = {study_and_camera(each)[0] for claim in claims.values() for each in (claim.of, *claim.over)}
+        return self.model_copy(
+            update={
+                "claims": claims,
+                "scorings": {name: keys for name, keys in self.scorings.items() if name not in self.skip},
+                "studies": {name: study for name, study in self.studies.items() if name in named},
+            }
+        )
 
     def _misfits(self) -> Iterator[str]:
         for name in (*self.studies, *self.scorings):
@@ -81,6 +96,13 @@ class ClaimsConfig(Settings):
         for name in self.optional:
             if name not in self.studies:
                 yield f"optional names no study {name!r}. {did_you_mean(name, self.studies)}".rstrip()
+        names = [*self.claims, *self.scorings]
+        for name in self.skip:
+            if name not in names:
+                yield f"skip names no claim and no scoring {name!r}. {did_you_mean(name, names)}".rstrip()
+        for what, every in {"claim": set(self.claims), "scoring": set(self.scorings)}.items():
+            if every <= set(self.skip):
+                yield f"skip leaves no {what}"
         for name, claim in self.claims.items():
             for named in (claim.of, *claim.over):
                 study, _ = study_and_camera(named)
