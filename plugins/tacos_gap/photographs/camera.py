@@ -18,6 +18,7 @@ from tacos_gap.captures.alignment import FEWEST_UNUSED, low_bits_unused, shifted
 from tacos_gap.photographs.boards import BoardView
 from tacos_gap.photographs.facts import OF_NAME
 from tacos_gap.photographs.given import Given, Guess
+from tacos_gap.photographs.names import of_several_cameras
 from tacos_gap.photographs.picture import Picture
 
 USUAL_PIXEL_UM = 3.0
@@ -26,6 +27,7 @@ _GIVEN, _EXIF, _RAW, _GUESS = "as given", "EXIF", "the RAW files", "a guess"
 """Where a value is from."""
 
 _FEWEST_VIEWS = 3
+_FEWEST_PAIRS = 3
 
 _LONGEST = 2.5
 """Longer over shorter side beyond which a picture is doubted: films are cut to 2.39, panoramas begin at 3."""
@@ -183,6 +185,11 @@ def _doubts(pictures: Sequence[Picture], entry: dict[str, Any]) -> Iterator[str]
     facts = [picture.facts for picture in pictures]
     if len(cameras := sorted({f.camera for f in facts if f.camera})) > 1:
         yield f"The pictures are of several cameras: {', '.join(cameras)}. Import one camera at a time."
+    elif len(pairs := of_several_cameras(picture.path for picture in pictures)) >= _FEWEST_PAIRS:
+        yield (
+            f"{len(pairs)} pairs of pictures are named as of two cameras ({' and '.join(pairs[0])}), and "
+            f"taken for those of one. Import one camera at a time."
+        )
     if any(f.lossy for f in facts):
         yield (
             "The files are lossy, and what a camera does to such files (tone curve, denoising, sharpening, "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,8 @@ _ISO = re.compile(r"(?<![a-z])iso[ =-]?(\d{2,6})(?!\d)", re.IGNORECASE)
 _GAIN = re.compile(rf"(?<![a-z0-9.,])(?:gain[ =-]?|g)?{_NUMBER}\s?db(?![a-z])", re.IGNORECASE)
 _F_NUMBER = re.compile(r"(?<![a-z0-9])f[ =-]?(\d{1,2}[.,]\d)(?![\d.])", re.IGNORECASE)
 """With its decimal: ``f8`` may well be the eighth frame."""
+
+_OF_ONE_CAMERA = re.compile(r"(?<![a-z])(left|right|l|r|cam(?:era)?[ _-]?\d+)(?![a-z])", re.IGNORECASE)
 
 _OF_CAPS = frozenset({"dark", "darks", "darkframe", "cap", "capped", "lenscap", "bias", "closed", "covered"})
 _OF_WALLS = frozenset(
@@ -48,3 +51,20 @@ def kind_in_words(text: str) -> str | None:
     words = set(re.findall(r"[a-z]+", text.lower()))
     kinds = [kind for kind, said in (("dark", _OF_CAPS), ("flat", _OF_WALLS)) if words & said]
     return kinds[0] if len(kinds) == 1 else None
+
+
+def of_several_cameras(paths: Iterable[Path]) -> list[tuple[str, str]]:
+    """Pairs of files whose names, or folders, differ only in the camera that they name.
+
+    >>> of_several_cameras([Path("a/left01.png"), Path("a/right01.png"), Path("a/right02.png")])
+    [('a/left01.png', 'a/right01.png')]
+    """
+    first: dict[str, str] = {}
+    pairs = []
+    for path in paths:
+        name = f"{path.parent.name}/{path.name}"
+        if (of_any := _OF_ONE_CAMERA.sub("", name)) == name:
+            continue
+        if (twin := first.setdefault(of_any, name)) != name:
+            pairs.append((twin, name))
+    return pairs

@@ -370,3 +370,21 @@ def test_the_level_of_a_dark_is_known_to_less_than_a_code_whatever_hot_pixels_it
 
 def test_a_dark_that_is_cut_off_at_zero_has_no_level():
     assert middle_of(np.clip(np.rint(np.random.default_rng(3).normal(-0.3, 1.0, (99, 99))), 0, None)) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("names", "doubted"),
+    [
+        ("left{}.png right{}.png", True),
+        ("cam0/{}.png cam1/{}.png", True),
+        ("L_{}.png R_{}.png", True),
+        ("leftover{}.png rightful{}.png", False),
+        ("wall{}_a.png wall{}_b.png", False),
+    ],
+)
+def test_pictures_named_as_of_two_cameras_are_doubted(tmp_path, names, doubted):
+    for number in range(3):
+        for camera, name in enumerate(names.format(number, number).split()):
+            taken(tmp_path / "in" / name, 90 + 20 * number, seed=2 * number + camera)
+    found = import_photographs([tmp_path / "in"], tmp_path / "out")
+    assert any("named as of two cameras" in doubt for doubt in found.doubts) == doubted
