@@ -81,6 +81,12 @@ def test_rounding_down_darkens_by_half_a_step():
     assert error.max() <= 0
 
 
+@pytest.mark.parametrize(("step_dn", "last_dn"), [(1, 255), (4, 252), (255 / 63, 255), (64, 192)])
+def test_a_converter_that_rounds_down_ends_at_its_last_code(step_dn, last_dn):
+    codes = run(make(Quantisation, step_dn=step_dn, rounding="floor"), np.full((1, 2, 2, 1), 300.0))
+    assert codes == pytest.approx(last_dn)
+
+
 def test_rounding_down_by_whole_numbers_is_not_neutral():
     np.testing.assert_array_equal(run(make(Quantisation, rounding="floor"), SCENE_DN), np.floor(SCENE_DN))
 

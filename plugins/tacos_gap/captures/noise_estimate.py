@@ -67,7 +67,7 @@ def estimate_noise(capture: RealCapture) -> Noise:
         slope, intercept = _line(signal, variance[..., channel][inside], robust=not static)
         if static and signal.size and are_whole(plane):
             level_dn = float(signal.mean()) + black_level_dn if not slope else 0.0
-            intercept = max(before_rounding(intercept, level_dn), _LEAST_DN2)
+            intercept = max(before_rounding(intercept, level_dn).variance_dn2, _LEAST_DN2)
         if static:
             first, second = real_dn[:2, ..., channel].astype(np.float64)
             shared = line_variance_dn2((first - second) / np.sqrt(2), inside)

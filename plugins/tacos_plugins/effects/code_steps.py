@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import Captures
+from tacos_framework import SURE, Captures
 from tacos_plugins.effects.closed_forms import Measured
 
 _DEEPEST_DN = 4095
@@ -28,6 +28,9 @@ _AS_HIGH = 0.9
 _ROUNDING_DN = 12**-0.5
 """Standard deviation of what rounding does to the first and the last code."""
 
+_CLIPPED = 0.5
+"""Share of a picture at one code from which on it is clipped there."""
+
 _SAMPLES = 400_000
 """Values of a capture that are looked at."""
 
@@ -36,7 +39,8 @@ def code_step_dn(captures: Captures) -> Measured | None:
     """Step between used codes in all captures together; None where nearly all codes are used [DN].
 
     Codes have the same phase on a step of the right length, and so their mean phasor is long: the peak of a
-    periodogram near their median distance.
+    periodogram near their median distance. Bits that are shifted up leave whole steps: one that may be whole
+    is, and as an `int` it is a guess that no fit moves.
     """
     codes = _used_codes(captures)
     if len(codes) < _FEWEST_CODES:
@@ -54,7 +58,26 @@ def code_step_dn(captures: Captures) -> Measured | None:
     peaks = (inner >= coherence[:-2]) & (inner >= coherence[2:]) & (inner > _AS_HIGH * coherence.max())
     steps_dn = 1 / frequencies[1:-1][peaks]
     step_dn = float(steps_dn[np.argmin(np.abs(steps_dn - gap))]) if peaks.any() else gap
-    return Measured(step_dn, _ROUNDING_DN * step_dn / span)
+    error_dn = _ROUNDING_DN * step_dn / span
+    is_whole = abs(step_dn - round(step_dn)) < SURE * error_dn
+    return Measured(round(step_dn) if is_whole else step_dn, error_dn)
+
+
+def ends_a_step_short(captures: Captures, step_dn: float) -> bool:
+    """True if clipped captures show that a converter rounds downwards.
+
+    Its last code lies below the end of the range: six bits shifted up by two stop at 252. One that rounds to
+    the nearest reaches 255.
+    """
+    piled = False
+    for capture in captures:
+        white = capture.context.white_level_dn
+        last = np.floor((white + 0.5) / step_dn) * step_dn
+        values = capture.real_dn[0]
+        if last >= min(np.rint(white / step_dn) * step_dn, white) or values.max() > np.rint(last):
+            return False
+        piled |= bool(np.mean(values == np.rint(last)) > _CLIPPED)
+    return piled
 
 
 def _used_codes(captures: Captures) -> NDArray[np.int64]:

@@ -18,7 +18,7 @@ from tacos_framework import (
     physical,
     setting,
 )
-from tacos_plugins.effects.code_steps import code_step_dn
+from tacos_plugins.effects.code_steps import code_step_dn, ends_a_step_short
 from tacos_plugins.effects.samples import Moments, Samples
 
 
@@ -26,7 +26,8 @@ class Quantisation:
     """Rounds samples to multiples of `step_dn`, to the nearest or downwards.
 
     A 10-bit converter in a 12-bit file has a step of 4 DN and leaves a comb of empty codes. Rounding
-    downwards darkens the image by half a step. Nothing happens at a step of 1 DN or less to the nearest:
+    downwards darkens the image by half a step, and the last code lies a step below the end of the range: six
+    bits shifted up by two stop at 252. Nothing happens at a step of 1 DN or less to the nearest:
     so the file is rounded anyway. The photosites of a binned pixel are rounded one by one, and noise makes
     their errors independent: of the average of n the error has 1 / n of the variance, and the shift stays.
 
@@ -71,7 +72,8 @@ class Quantisation:
     def estimate_from(cls, captures: Captures) -> Iterator[Estimate]:
         """The same; nothing where all codes are used, since rounding downwards leaves none empty."""
         if found := code_step_dn(captures):
-            yield Estimate("step_dn", *found, negligible=0.5)
+            down = {"rounding": "floor"} if ends_a_step_short(captures, found.value) else {}
+            yield Estimate("step_dn", *found, negligible=0.5, known=down)
 
     def on_array(
         self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
@@ -81,7 +83,9 @@ class Quantisation:
         if step <= 1 and not down:
             return signal
         if geometry.binning == 1.0:
-            return (np.floor(signal / step) if down else np.rint(signal / step)) * step
+            if down:
+                return np.floor(np.minimum(signal, context.white_level_dn + 0.5) / step) * step
+            return np.rint(signal / step) * step
         photosites = geometry.binning**2
         coarse = max(step / photosites, 1.0)  # codes an average of whole steps can have, if not every one
         left = excess_dn2(step, photosites) - (coarse**2 - 1) / 12

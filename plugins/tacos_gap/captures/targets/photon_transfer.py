@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tacos_gap.captures.capture import Noise, RealCapture
 from tacos_gap.captures.noise_estimate import line_variance_dn2, thinned
-from tacos_gap.captures.rounding import are_whole, before_rounding
+from tacos_gap.captures.rounding import BeforeRounding, are_whole, before_rounding
 from tacos_plugins.effects.code_steps import code_step_dn
 
 LEAST_SPAN = 0.1
@@ -75,7 +75,8 @@ def _points(
 ) -> list[tuple[float, float, float]]:
     """Signal above `zero_dn`, variance and number of pixels of each bin of level [DN, DN^2, 1].
 
-    All is counted in the codes of a coarser converter meanwhile, `step_dn` apart: it rounds by these.
+    All is counted in the codes of a coarser converter meanwhile, `step_dn` apart: it rounds by these. Pixels
+    count as far as the variance of their codes tells that of the noise (`BeforeRounding.steepness`).
     """
     pair = thinned(capture.real_dn[:2, ..., channel : channel + 1])
     if step_dn > 1:
@@ -96,16 +97,16 @@ def _points(
     rounded = are_whole(pair)
     shared = line_variance_dn2((first - second) / np.sqrt(2), usable)
 
-    def variance(inside: NDArray[np.bool_]) -> float:
-        found = _robust_variance(difference[inside]) / 2
-        found = before_rounding(found, level[inside].mean() + zero) if rounded else found
-        return max(found - shared, 0.0)
+    def point(inside: NDArray[np.bool_]) -> tuple[float, float, float]:
+        signal = float(level[inside].mean())
+        noise = BeforeRounding(_robust_variance(difference[inside]) / 2, 1.0)
+        if rounded:
+            noise = before_rounding(noise.variance_dn2, signal + zero)
+        variance = max(noise.variance_dn2 - shared, 0.0)
+        return signal * step_dn, variance * step_dn**2, float(inside.sum()) * noise.steepness**2
 
-    return [
-        (float(level[inside].mean()) * step_dn, variance(inside) * step_dn**2, float(inside.sum()))
-        for bin_ in range(len(edges) - 1)
-        if (inside := which == bin_).sum() >= _LEAST_PIXELS
-    ]
+    bins = (which == bin_ for bin_ in range(len(edges) - 1))
+    return [point(inside) for inside in bins if inside.sum() >= _LEAST_PIXELS]
 
 
 def _bin_edges(level: NDArray[np.float64]) -> list[float]:

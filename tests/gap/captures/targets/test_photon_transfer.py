@@ -71,7 +71,8 @@ def test_a_pedestal_that_nobody_believes_is_no_signal():
 @pytest.mark.parametrize("level_dn", [16.0, 16.3, 16.5])
 def test_what_rounding_does_is_undone(sigma_dn, level_dn):
     numbers = np.rint(np.random.default_rng(2).normal(level_dn, sigma_dn, 400_000))
-    assert before_rounding(numbers.var(), level_dn) == pytest.approx(sigma_dn**2, rel=0.03)
+    found = before_rounding(numbers.var(), numbers.mean())
+    assert found.variance_dn2 == pytest.approx(sigma_dn**2, rel=0.03)
 
 
 def test_darks_of_few_codes_say_how_they_scatter():
@@ -116,3 +117,24 @@ def test_noise_is_told_through_the_steps_of_a_coarser_converter():
     found = pooled_noise(captures)
     assert found is not None
     assert found.photon_dn[0] == pytest.approx(0.0425, rel=0.25)
+
+
+def test_two_codes_say_nothing_of_noise():
+    numbers = np.rint(np.random.default_rng(6).normal(16.4, 0.02, 100_000))
+    numbers[:20_000] = 17
+    assert before_rounding(numbers.var(), numbers.mean()).steepness < 0.01
+    assert before_rounding(1.0, 16.4).steepness == 1.0
+
+
+@pytest.mark.parametrize("zero_code", [0.2, 0.5])
+def test_noise_below_a_code_is_told_by_the_levels_where_it_shows(zero_code):
+    """Four bits that are cut off downwards: dim walls lie in two codes, darks in one."""
+    rng = np.random.default_rng(8)
+    captures = []
+    for light in (0.0, 0.12, 0.3, 0.47, 0.66, 0.85):
+        electrons = rng.poisson(900 * light, (2, 200, 200)) + rng.normal(0, 3.0, (2, 200, 200))
+        codes = np.clip(np.floor(zero_code + electrons / 900 * 16), 0, 15)
+        captures.append(replace(_flat((16 * codes).astype(np.float32)[..., None], 0.0), id=str(light)))
+    found = pooled_noise(captures)
+    assert found is not None
+    assert found.photon_dn[0] == pytest.approx(256 / 900, rel=0.08)
