@@ -128,7 +128,8 @@ def diagnose_recording(folder: str | Path, progress: Progress) -> InUse:
     found = overlaps(source)
     lights = [recording.light(name) for name in exposures]
     noise = measured_noise(lights, mosaic=source.mosaic, top_dn=source.top_dn)
-    return InUse(recording.response, error, tuple(blurs), noise, vignetting(found), steadiness(found))
+    fall_off = vignetting(found)
+    return InUse(recording.response, error, tuple(blurs), noise, fall_off, steadiness(found, fall_off))
 
 
 def _quietest(recording: Recording) -> Recording:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import cv2
@@ -17,13 +17,20 @@ _TILE = 16
 """Side of a tile in which the median is taken [2 px]."""
 _DIM, _UNCLIPPED = 0.003, 0.8
 """Shares of the light at which samples are clipped, between which light is compared [1]."""
+_TEXTURED = 16.0
+"""Least eigenvalue of the gradients around a point from which flow finds where it went: noise of 8 bits makes
+one or two, a camera that is followed across a blank wall seems to have no fall-off [squared grey/px]."""
 _FEWEST_TILES, _FEWEST_STEPS, _FEWEST_IN_ROW = 12, 4, 4
 _OF_MEDIAN = 1.2533
 """Standard error of a median over that of a mean."""
+_SHAPE_ERROR = 0.04
+"""Half an interval of vignetting at least: a lens of cos^4 or r^4 with 40 % of the light in the corner is fitted
+by r^2 as 44 or 40 % [1]."""
 _LARGEST_ERROR = 0.5
 """Half of the interval of vignetting from which the frames tell nothing of it [1]."""
 _STEADY, _CLEAR_Z = 0.03, 5.0
-"""Changes of brightness have no name up to this share, or so many standard errors [1]."""
+"""Changes of brightness, in time or towards corners, have no name up to this share, or so many standard
+errors [1]."""
 
 Plane = NDArray[np.float32]
 Values = NDArray[np.float64]
@@ -37,6 +44,7 @@ class Overlap:
     ratio: Values  # logarithm of light of the later frame over the earlier one's [1]
     radius2: tuple[Values, Values]  # squared radius in the earlier and the later frame, 1 in the corner [1]
     row: NDArray[np.int64]  # of tiles, from the top [1]
+    textured: NDArray[np.bool_]  # true where the flow has something to follow
 
 
 @dataclass(frozen=True)
@@ -48,7 +56,7 @@ class Vignetting:
 
     @property
     def present(self) -> bool:
-        return self.interval is not None and self.interval[0] > 0
+        return self.interval is not None and self.interval[0] > _STEADY
 
 
 @dataclass(frozen=True)
@@ -82,8 +90,11 @@ def overlaps(source: Source) -> list[Overlap]:
     )
     planes = pairwise(_light_per_ms(source, name, index) for _, name, index in frames)
     names = pairwise(name for _, name, _ in frames)
-    moved_px = source.steps.moved_px
-    found = (_overlap(pair, *both, moved) for pair, both, moved in zip(names, planes, moved_px, strict=True))
+    shots, moved_px = source.steps.shots, source.steps.moved_px
+    found = (
+        _overlap(pair, *both, moved, _textured(shot.grey))
+        for pair, both, moved, shot in zip(names, planes, moved_px, shots[:-1], strict=True)
+    )
     return [each for each in found if len(each.ratio) >= _FEWEST_TILES]
 
 
@@ -92,6 +103,7 @@ def vignetting(found: Sequence[Overlap]) -> Vignetting:
 
     The error is that over steps between frames, whose flow is wrong as a whole where it is.
     """
+    found = [_where(each, each.textured) for each in found if each.textured.sum() >= _FEWEST_TILES]
     if len(found) < _FEWEST_STEPS:
         return Vignetting(None, None)
     k = 0.0
@@ -104,18 +116,24 @@ def vignetting(found: Sequence[Overlap]) -> Vignetting:
     error = (
         sum(float(x @ y) ** 2 for x, y in zip(slopes, rests, strict=True)) ** 0.5 / size if size else np.inf
     )
-    half = float(student.ppf(0.975, len(found) - 1)) * error
-    return Vignetting(-k, (-k - half, -k + half)) if half < _LARGEST_ERROR else Vignetting(None, None)
+    half = float(np.hypot(student.ppf(0.975, len(found) - 1) * error, _SHAPE_ERROR))
+    if half >= _LARGEST_ERROR:
+        return Vignetting(None, None)
+    return Vignetting(-k, (-k - half, min(-k + half, 1.0)))
 
 
-def steadiness(found: Sequence[Overlap]) -> Steadiness | None:
+def steadiness(found: Sequence[Overlap], vignetting: Vignetting) -> Steadiness | None:
     """Changes of brightness that exposure times do not explain; None where too few frames overlap.
 
     All steps between the same two exposures share the error of the response. It is taken off, from the later
-    half of the steps: by then a camera has found its exposure.
+    half of the steps: by then a camera has found its exposure. So is vignetting that was found: what moves
+    into a corner dims without a lamp.
     """
     if len(found) < _FEWEST_STEPS:
         return None
+    if vignetting.present and vignetting.corner is not None:
+        k = -vignetting.corner
+        found = [replace(each, ratio=each.ratio - _fall_off(each, k)) for each in found]
     steps = np.array([np.median(each.ratio) for each in found])
     for names in {each.names for each in found}:
         alike = [k for k, each in enumerate(found) if each.names == names]
@@ -176,7 +194,29 @@ def _light_per_ms(source: Source, name: str, index: int) -> Plane:
     return np.where(bad, np.float32(np.nan), even / exposure_ms)
 
 
-def _overlap(names: tuple[str, str], first: Plane, second: Plane, moved_px: Plane) -> Overlap:
+def _textured(grey: NDArray[np.uint8]) -> NDArray[np.bool_]:
+    """(H, W) true where gradients differ in direction, here and around: flow needs it, and is smoothed.
+
+    Source: Shi and Tomasi 1994, "Good features to track".
+    """
+    found = cv2.cornerMinEigenVal(grey.astype(np.float32), _TILE, ksize=3) > _TEXTURED
+    return cv2.erode(found.astype(np.uint8), np.ones((_TILE, _TILE))) > 0
+
+
+def _where(overlap: Overlap, kept: NDArray[np.bool_]) -> Overlap:
+    before, after = overlap.radius2
+    return Overlap(
+        overlap.names,
+        overlap.ratio[kept],
+        (before[kept], after[kept]),
+        overlap.row[kept],
+        overlap.textured[kept],
+    )
+
+
+def _overlap(
+    names: tuple[str, str], first: Plane, second: Plane, moved_px: Plane, textured: NDArray[np.bool_]
+) -> Overlap:
     height, width = first.shape
     y, x = np.mgrid[:height, :width].astype(np.float32)
     there_x, there_y = x + moved_px[..., 0] / 2, y + moved_px[..., 1] / 2
@@ -195,7 +235,8 @@ def _overlap(names: tuple[str, str], first: Plane, second: Plane, moved_px: Plan
     whole = np.isfinite(tiles).mean(-1) > 0.5
     ratios = np.nanmedian(tiles[whole], axis=-1).astype(np.float64)
     row = np.flatnonzero(whole) // (width // _TILE)
-    return Overlap(names, ratios, (before[whole], after[whole]), row)
+    followed = _tiles(textured.astype(np.float32)).mean(-1) > 0.5
+    return Overlap(names, ratios, (before[whole], after[whole]), row, followed[whole])
 
 
 def _tiles(plane: Plane) -> Plane:

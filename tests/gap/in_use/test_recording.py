@@ -40,15 +40,19 @@ def record(
     moves: bool = True,
     defocused: str = "",
     corner: float = 0.0,
+    blank: bool = False,
     lamp: Callable[[float], float] = lambda time_s: 1.0,
 ) -> Path:
     """A texture at rest and then in motion, 12 bits, coded by a square root; exposures in turn.
 
-    `corner`: light that corners lack [1]; `lamp`: its brightness over time [s].
+    `corner`: light that corners lack [1]; `blank`: true if all but a third is a wall without texture; `lamp`:
+    its brightness over time [s].
     """
     y, x = np.mgrid[:SIZE, :SIZE] / (SIZE - 1) * 2 - 1
     passed = 1 - corner * (x**2 + y**2) / 2
     world, rng = texture(), np.random.default_rng(6)
+    if blank:
+        world[: SIZE // 3] = world[2 * SIZE // 3 :] = np.median(world)
     lines = ["file,taken_ns"]
     for frame in range(FRAMES):
         for turn, ms in enumerate(EXPOSURES_MS):
@@ -131,6 +135,15 @@ def test_dark_corners_and_an_exposure_that_settles_are_named(tmp_path: Path) -> 
     assert found.steadiness is not None
     assert found.steadiness.cause == "settling exposure"
     assert "settling exposure named" in in_words(found)
+
+
+def test_dark_corners_are_measured_beside_a_blank_wall_and_are_no_change_of_light(tmp_path: Path) -> None:
+    found = diagnosed(record(tmp_path, corner=0.6, blank=True))
+    assert found.vignetting.interval is not None
+    low, high = found.vignetting.interval
+    assert 0 < low < 0.6 < high <= 1
+    assert found.steadiness is not None
+    assert found.steadiness.cause is None
 
 
 def test_a_lamp_that_flickers_is_named(tmp_path: Path) -> None:
