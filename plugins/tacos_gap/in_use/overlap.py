@@ -24,8 +24,8 @@ _FEWEST_TILES, _FEWEST_STEPS, _FEWEST_IN_ROW = 12, 4, 4
 _OF_MEDIAN = 1.2533
 """Standard error of a median over that of a mean."""
 _SHAPE_ERROR = 0.04
-"""Half an interval of vignetting at least: a lens of cos^4 or r^4 with 40 % of the light in the corner is fitted
-by r^2 as 44 or 40 % [1]."""
+"""Half an interval of vignetting at least: lenses of cos^4 or r^4 with 40 % of the light in the corner are
+read as 44 and 40 % [1]."""
 _LARGEST_ERROR = 0.5
 """Half of the interval of vignetting from which the frames tell nothing of it [1]."""
 _STEADY, _CLEAR_Z = 0.03, 5.0
@@ -147,7 +147,7 @@ def steadiness(found: Sequence[Overlap], vignetting: Vignetting) -> Steadiness |
     largest, banded = (
         max(each, key=lambda pair: pair[0] / pair[1]) for each in (whole, list(map(_bands, found)))
     )
-    settles = bool(named) and one_way and named[-1] < len(found) / 2
+    settles = bool(named and one_way and named[-1] < len(found) / 2)
     return Steadiness(largest[0], banded[0], (largest[1], banded[1]), settles)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from unittest.mock import Mock
@@ -150,3 +151,4 @@ def test_a_lamp_that_flickers_is_named(tmp_path: Path) -> None:
     found = diagnosed(record(tmp_path, moves=False, lamp=lambda time_s: 1 + 0.15 * np.sin(41 * time_s)))
     assert found.steadiness is not None
     assert found.steadiness.cause == "flicker"
+    assert '"flicker"' in json.dumps(found.as_data())
