@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,6 +97,9 @@ class RealCapture:
     would be, and neither where they are nor how bright."""
     own_level: bool = False
     """Whether `expected_dn` is as bright as the pictures themselves, as that of walls and brackets is."""
+    own_light: Literal["smooth", "pixel by pixel"] | None = None
+    """How `expected_dn` is the light of a bracket as this very camera sees it, at all exposure times alike:
+    what lens and colours do to it is in there already, and pixel by pixel also what pixels do."""
     edge_angle_deg: float | None = None
     patches: tuple[NDArray[np.int64], NDArray[np.float64]] | None = None
     """(P, 4) int x, y, width, height of chart patches [px], and (P, 3) float expected linear RGB [DN]."""
@@ -141,8 +145,14 @@ class RealCapture:
 
     @property
     def is_structured(self) -> bool:
-        """True if it shows edges or texture, rather than an even field."""
-        return self.kind not in ("dark", "flat", "board") and self.expected_dn is not None
+        """True if it shows edges or texture that is not its own, rather than an even field."""
+        is_even = self.kind in ("dark", "flat", "board") or self.own_light
+        return not is_even and self.expected_dn is not None
+
+    @property
+    def shows_patterns(self) -> bool:
+        """True if its expectation has no patterns of its own pixels, and files may show some."""
+        return self.kind in ("dark", "flat", "bracket") and self.own_light != "pixel by pixel"
 
 
 @dataclass(frozen=True, eq=False)

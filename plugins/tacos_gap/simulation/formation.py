@@ -14,7 +14,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import ContextMissing, ImageContext, ImageGeometry, moves_pixels
+from tacos_framework import (
+    ContextMissing,
+    EffectBase,
+    ImageContext,
+    ImageGeometry,
+    moves_pixels,
+    optional,
+)
 from tacos_framework.camera import Places, composed, resample
 from tacos_framework.formation import ActingEffect, EffectChain, EpisodeDraws, PlacedEffect, form_files
 from tacos_gap.captures import RealCapture
@@ -22,9 +29,13 @@ from tacos_gap.nuisances.mosaic import resampled_mosaic
 from tacos_gap.simulation.kept_light import KeptLight
 from tacos_gap.simulation.sensors import dark_signal, sensor_at
 from tacos_plugins.effects.mosaic import bilinear, mosaic
+from tacos_plugins.effects.shown_by import COLOURS, EDGES, FALL_OFF
 from tacos_plugins.sensors.kept_numbers import KeptNumbers
 
 Samples = NDArray[np.float32]
+_SCALE_LIGHT = frozenset({COLOURS, FALL_OFF})
+"""What shows effects that make light brighter or darker by a factor, of places or of colours."""
+
 Step = Callable[[Samples, EpisodeDraws, int], Samples]
 """Samples of one frame, draws, number of the frame -> samples a step further."""
 
@@ -53,7 +64,7 @@ def simulate(
     draws = EpisodeDraws(draws.seed, draws.names)  # nothing is remembered of another simulation
     sensor = sensor_at(capture, kept)
     context = replace(capture.context, dn_per_electron=sensor.context.dn_per_electron)
-    chain = _where_known(EffectChain.of(effects, capture.geometry, context))
+    chain = _chain(effects, capture, context)
     told = {(each.use, each.name): f"{each.use} {each.config!r}" for each in effects}
     pedestal = np.float32(context.black_level_dn) - dark_signal(sensor, expected.shape[-1])
     pedestal = np.tile(pedestal, (expected.shape[2], 1))  # numpy is several times slower along three channels
@@ -106,7 +117,7 @@ def lit_by(
     capture: RealCapture, effects: Sequence[PlacedEffect], light: Samples, draws: EpisodeDraws
 ) -> Samples:
     """One frame of light with effects on it, (1, H, W, C)."""
-    chain = _where_known(EffectChain.of(effects, capture.geometry, capture.context))
+    chain = _chain(effects, capture, capture.context)
     steps = [_step_of(effect, capture.geometry, capture.context) for effect in chain.light]
     for step in _on_light(steps, capture.context.cfa):
         light = step(light, draws, 0)
@@ -236,6 +247,25 @@ class _WhereKnown(ActingEffect):
             return super().on(samples, geometry=geometry, context=context, draws=draws, frame=frame)
         except ContextMissing:
             return samples
+
+
+def _chain(effects: Sequence[PlacedEffect], capture: RealCapture, context: ImageContext) -> EffectChain:
+    acting = [each for each in effects if not _is_in_expectation(each.cls, capture)]
+    return _where_known(EffectChain.of(acting, capture.geometry, context))
+
+
+def _is_in_expectation(cls: type[Any], capture: RealCapture) -> bool:
+    """True of an effect that has acted on what is expected already, as that was read off the pictures.
+
+    The sides of an edge are as bright as seen, the light of a bracket is all that is alike at every time.
+    """
+    if not (capture.own_edges or capture.own_light):
+        return False
+    scales_light = not _SCALE_LIGHT.isdisjoint(optional(cls, EffectBase, "shown_by"))
+    if capture.own_edges:
+        return scales_light
+    sharpens = cls.stage == "isp" and EDGES in optional(cls, EffectBase, "shown_by")
+    return scales_light or sharpens or cls.stage in ("scene", "optics")
 
 
 def _where_known(chain: EffectChain) -> EffectChain:

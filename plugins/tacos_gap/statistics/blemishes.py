@@ -36,7 +36,7 @@ _LEAST_COUNTED = 0.5  # share of a window that is even, for a place to count
 def blemish_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Covariance of independent halves of the frames in bands of size, over the image and at its largest."""
     capture = sample.capture
-    if not sample.repeats or capture.kind not in ("dark", "flat", "bracket") or not has_even_areas(capture):
+    if not (sample.repeats and capture.shows_patterns and has_even_areas(capture)):
         return
     even = even_cells(capture)
     one, other = (even.without_smooth(half) for half in sample.halves)

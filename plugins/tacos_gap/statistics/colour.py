@@ -26,7 +26,7 @@ _FEWEST = 70
 
 def colour_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """The least-squares matrix from expected to real linear colours; mean residuals of chart patches."""
-    if len(sample.channels) != 3 or sample.capture.kind == "dark":
+    if len(sample.channels) != 3 or sample.capture.kind == "dark" or sample.capture.own_light:
         return
     black = np.float32(sample.capture.context.black_level_dn)
     white = np.float32(sample.capture.context.white_level_dn - black)

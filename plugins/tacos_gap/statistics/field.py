@@ -21,7 +21,7 @@ def field_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Level of tiles over their expectation, and variance over mean in rings, both less their averages."""
     capture = sample.capture
     grid = tiles(capture)
-    if len(grid.at) > 3 and not capture.own_edges:
+    if len(grid.at) > 3 and not (capture.own_edges or capture.own_light):
         dark = capture.kind == "dark"
         levels, luck = tile_means(capture, sample.residual), _luck_of_lines(sample)
         for channel, name in enumerate(sample.channels):

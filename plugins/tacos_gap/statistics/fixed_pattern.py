@@ -29,8 +29,7 @@ _LEAST_OF_A_LINE = 16  # pixels
 
 def fixed_pattern_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     """Covariance of independent halves of the frames after a high-pass: of pixels, of columns, of rows."""
-    repeated = sample.repeats and sample.capture.kind in ("dark", "flat", "bracket")
-    if repeated and has_even_areas(sample.capture):
+    if sample.repeats and sample.capture.shows_patterns and has_even_areas(sample.capture):
         yield from _covariance(sample)
 
 

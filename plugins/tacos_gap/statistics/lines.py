@@ -24,7 +24,7 @@ def line_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     Pixels that are hot by themselves are taken out by a median along the line, which keeps lines that are bad
     over a part of their length only.
     """
-    if sample.capture.kind not in ("dark", "flat", "bracket"):
+    if not sample.capture.shows_patterns:
         return
     plane = over_channels(sample.residual_as_taken)
     plane = plane if sample.valid.all() else np.where(sample.valid, plane, 0)

@@ -84,10 +84,15 @@ class Dsnu:
 
     @classmethod
     def estimate_from(cls, captures: Captures) -> Iterator[Estimate]:
-        """The covariance of halves of the darks' frames, beside their local mean."""
-        if found := closed_forms.pattern_variance(closed_forms.whole_darks(captures), relative=False):
+        """The covariance of halves of the frames of the shortest darks, beside their local mean.
+
+        In longer ones the pattern of dark current has grown.
+        """
+        darks = closed_forms.whole_darks(captures)
+        darks = [each for each in darks if each.context.exposure_s == darks[0].context.exposure_s]
+        if found := closed_forms.pattern_variance(darks, relative=False):
             yield Estimate("sigma_dn", *closed_forms.root(found), negligible=0.05)
-        if found := closed_forms.column_pattern_variance_dn2(closed_forms.whole_darks(captures)):
+        if found := closed_forms.column_pattern_variance_dn2(darks):
             yield Estimate("column_sigma_dn", *closed_forms.root(found), negligible=0.03)
 
     @classmethod

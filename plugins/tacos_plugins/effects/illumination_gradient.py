@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tacos_framework import Captures, Estimate, ImageContext, ImageGeometry, Settings, ShownBy, Stage, setting
 from tacos_plugins.effects import closed_forms
 from tacos_plugins.effects.samples import Samples
-from tacos_plugins.effects.shown_by import FLAT
+from tacos_plugins.effects.shown_by import FALL_OFF
 
 
 class IlluminationGradient:
@@ -32,7 +32,7 @@ class IlluminationGradient:
     rank: ClassVar[int] = 10
     neutral: ClassVar[Mapping[str, Any]] = {"gx": 0.0, "gy": 0.0}
     initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"gx": 0.1}, {"gy": 0.1})
-    shown_by: ClassVar[Sequence[ShownBy]] = (FLAT,)
+    shown_by: ClassVar[Sequence[ShownBy]] = (FALL_OFF,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

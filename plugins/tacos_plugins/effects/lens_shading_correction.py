@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tacos_framework import ImageContext, ImageGeometry, Settings, ShownBy, Stage, setting
 from tacos_plugins.effects.radial import darkens, even_polynomial
 from tacos_plugins.effects.samples import Moments, Samples
-from tacos_plugins.effects.shown_by import FLAT
+from tacos_plugins.effects.shown_by import FALL_OFF
 
 
 class LensShadingCorrection:
@@ -32,7 +32,7 @@ class LensShadingCorrection:
     rank: ClassVar[int] = 10
     neutral: ClassVar[Mapping[str, Any]] = {"k1": 0.0, "k2": 0.0}
     initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"k1": 0.3}, {"k2": 0.3})
-    shown_by: ClassVar[Sequence[ShownBy]] = (FLAT,)
+    shown_by: ClassVar[Sequence[ShownBy]] = (FALL_OFF,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

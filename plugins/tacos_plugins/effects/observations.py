@@ -100,6 +100,11 @@ def levels_expected(captures: Captures) -> bool:
     return any(not capture.own_edges for capture in lit(captures))
 
 
+def fall_off_expected(captures: Captures) -> bool:
+    """An even surface, or light of a bracket that was not measured behind the lens itself."""
+    return any(each.kind == "flat" or each.is_structured for each in of_kind(captures, "flat", "bracket"))
+
+
 def places_expected(captures: Captures) -> bool:
     """A board, or structure of which it is known where it should be."""
     return bool(of_kind(captures, "board")) or any(not each.own_edges for each in structured(captures))

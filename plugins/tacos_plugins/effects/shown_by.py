@@ -10,6 +10,7 @@ from tacos_plugins.effects.observations import (
     any_of_kind,
     colours_or_mono,
     edges_or_known_motion,
+    fall_off_expected,
     known_motion,
     levels_expected,
     places_expected,
@@ -26,6 +27,7 @@ DARKS_OF_TWO_TIMES = ShownBy(two_dark_exposures, "kind dark at a second, ten tim
 TWO_GAINS = ShownBy(two_gains, "kind dark or flat at two gains (gain_db) or more")
 EVEN_FIELD = ShownBy(any_of_kind("dark", "flat", "bracket"), "kind dark or flat: an even field")
 FLAT = ShownBy(any_of_kind("flat", "bracket"), "kind flat: frames of an even surface")
+FALL_OFF = ShownBy(fall_off_expected, "kind flat: frames of an even surface")
 REPEATED_FLAT = ShownBy(
     repeated("dark", "flat", "bracket"), "two or more frames of a flat, with the same settings"
 )

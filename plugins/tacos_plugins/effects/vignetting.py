@@ -21,7 +21,7 @@ from tacos_framework import (
 from tacos_plugins.effects import closed_forms, observations
 from tacos_plugins.effects.radial import brightens, even_polynomial
 from tacos_plugins.effects.samples import Samples
-from tacos_plugins.effects.shown_by import FLAT
+from tacos_plugins.effects.shown_by import FALL_OFF
 
 
 class Vignetting:
@@ -57,7 +57,7 @@ class Vignetting:
             "a stack of frames: noise over the field tells light lost from values scaled",
         ),
     )
-    shown_by: ClassVar[Sequence[ShownBy]] = (FLAT,)
+    shown_by: ClassVar[Sequence[ShownBy]] = (FALL_OFF,)
 
     def __init__(self, config: Config) -> None:
         self.config = config

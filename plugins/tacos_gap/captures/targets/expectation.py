@@ -215,5 +215,6 @@ def _brackets(captures: Sequence[RealCapture]) -> Iterator[Expected]:
                 level_uncertainty=max(each.level_uncertainty, LEVEL_UNCERTAINTY),
                 expected_frames=each.frames if each.frames > 1 and even is None else 0,
                 own_level=True,
+                own_light="smooth" if even is not None else "pixel by pixel",
             )
             yield Expected(expected)

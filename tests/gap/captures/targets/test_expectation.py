@@ -8,11 +8,14 @@ import numpy as np
 import pytest
 
 from tacos_framework.errors import UserError
+from tacos_framework.formation import EpisodeDraws
 from tacos_framework.plugins import Plugins
 from tacos_gap.captures import Noise, read_captures
 from tacos_gap.captures.targets.expectation import with_own_expectations
 from tacos_gap.captures.targets.photon_transfer import pooled_noise
 from tacos_gap.captures.targets.wall import even_expectation, level_at
+from tacos_gap.simulation.formation import simulate
+from tacos_gap.statistics import Sample, measure
 from tests.gap.captures.folders import describe, noisy, save_frames
 from tests.gap.taken import BLACK_DN, HEIGHT, WIDTH, capture, effect, patchwork, taken
 
@@ -61,6 +64,41 @@ def test_a_bracket_of_a_wall_expects_nothing_of_the_sensor_s_own_pattern(plugins
         assert np.ptp(expected) > 0.1 * expected.mean(), "and shaded as the wall is"
         assert expected[HEIGHT // 2, WIDTH // 2] == pytest.approx(8000 * time_s + BLACK_DN, rel=0.02)
         assert each.expected_frames == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "acts"),
+    [
+        ("vignetting", {"k1": -0.3}, False),
+        ("lens-distortion", {"k1": -0.2}, False),
+        ("sharpening", {"amount": 1.0}, False),
+        ("tone-curve", {"gamma": 2.2}, True),
+        ("prnu", {"sigma": 0.02}, True),
+    ],
+)
+def test_what_acts_alike_at_all_times_is_in_the_light_of_a_bracket(plugins, name, settings, acts):
+    camera = [effect(plugins, name, **settings)]
+    found, _ = with_own_expectations(bracket_of(patchwork(), [0.005, 0.01, 0.02], camera))
+    for each in found:
+        draws = EpisodeDraws(3, ("bracket",))
+        assert np.array_equal(simulate(each, camera, draws), simulate(each, [], draws)) is not acts
+
+
+def test_a_bracket_of_a_scene_is_not_compared_place_by_place():
+    found, _ = with_own_expectations(bracket_of(patchwork(), [0.005, 0.01, 0.02]))
+    for each in found:
+        taken_of = {block.statistic for block in measure(Sample(each, each.real_dn, each.expected_dn))}
+        assert "level" in taken_of
+        assert taken_of.isdisjoint({"relative_illumination", "detail", "displacement", "fixed_pattern"})
+
+
+def bracket_of(light_dn, times_s, effects=()):
+    """Captures of light as it is in the middle of the times."""
+    middle_s = times_s[len(times_s) // 2]
+    return [
+        alone("bracket", light_dn * (t / middle_s), effects, id=f"b{k}", group="g", context=_at(t))
+        for k, t in enumerate(times_s)
+    ]
 
 
 def test_a_bracket_expects_light_in_proportion_to_time():
