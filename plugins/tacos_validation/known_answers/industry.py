@@ -95,7 +95,8 @@ def _range(name: str, point: Point, systems: Sequence[System]) -> IndustryAnswer
     least, most = min(stated.values()), max(stated.values())
     within = Constraint(point.quantity, least / point.margin, most * point.margin, unknown="refuse")
     span = f"{least:.3g}" if least == most else f"{least:.3g} to {most:.3g}"
-    return IndustryAnswer(name, within, f"{span} {point.unit} ({len(stated)} systems)", tuple(stated))
+    count = "1 system" if len(stated) == 1 else f"{len(stated)} systems"
+    return IndustryAnswer(name, within, f"{span} {point.unit} ({count})", tuple(stated))
 
 
 def _value(point: Point, system: System) -> float | None:
