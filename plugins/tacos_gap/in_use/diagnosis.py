@@ -17,14 +17,16 @@ from tacos_gap.in_use.overlap import Steadiness, Vignetting, overlaps, steadines
 from tacos_worlds.recorded.noise import LinearNoise, measured_noise
 from tacos_worlds.recorded.reader import read_recording
 from tacos_worlds.recorded.recording import ExposedFrames, Recording
-from tacos_worlds.recorded.response import Response, estimated_response
+from tacos_worlds.recorded.response import PLACES, Response, estimated_response
 from tacos_worlds.recorded.source import Source
 from tacos_worlds.recorded.times import TIMES
 
 MOTION = "effect.motion-blur"
 _QUIET = 0.4
-"""Share of the frames of an exposure that the response is found in, those in which the image moves least."""
+"""Share of the frames of the longest exposure at whose moments the response is found."""
 _FEWEST_QUIET = 2
+_KNOWN = 0.01
+"""Error of light up to which a response counts as known: the bar of a calibrated response [1]."""
 _SHORTER = 4.0
 """An exposure is set beside one that is shorter by this factor, so that its motion hardly shows there."""
 
@@ -35,7 +37,7 @@ class InUse:
 
     response: Response  # from codes to light, as the exposures have it
     response_error: NDArray[np.float64]
-    """(K,) relative error of light at its codes: half of what two halves of the frames differ by [1]."""
+    """(K,) relative error of light at its codes: what parts of the recording contradict each other by [1]."""
     blurs: tuple[MotionBlur, ...]  # for each exposure but the shortest
     noise: LinearNoise  # over linear light of all exposures; texture counts in it where all blocks have some
     vignetting: Vignetting
@@ -101,11 +103,9 @@ def diagnose_recording(folder: str | Path, progress: Progress) -> InUse:
     progress.phase("Finding the response", None)
     recording = read_recording(folder, response="estimated")
     quiet = _quietest(recording)
-    recording = replace(recording, response=_response(quiet, slice(None)))
-    halves = [_response(quiet, slice(first, None, 2)) for first in (0, 1)]
-    apart = np.log(halves[0].light_dn[1:] / halves[1].light_dn[1:])
-    apart -= np.median(apart)
-    error = np.abs(np.concatenate([apart[:1], apart])) / 2
+    stacks = {each.exposure_ms: each.codes_dn for each in quiet.exposures.values()}
+    recording = replace(recording, response=estimated_response(stacks, quiet.white_dn))
+    error = _response_error(stacks, quiet.white_dn, recording.response)
     source = Source(recording, _mosaic(recording))
     exposures = recording.exposures
     longest_ms = max(each.exposure_ms for each in exposures.values())
@@ -133,16 +133,22 @@ def diagnose_recording(folder: str | Path, progress: Progress) -> InUse:
 
 
 def _quietest(recording: Recording) -> Recording:
-    """The frames of each exposure in which the image moves least: blur changes how brightness is spread."""
+    """The frames of each exposure at the moments when the image moves least: blur changes how brightness is
+    spread, and so does a scene that has moved on from exposure to exposure."""
     source = Source(recording, _mosaic(recording))
     if source.motion is None:
         return recording
+    middle_s = {
+        name: np.array([source.middle_s(name, i) for i in range(len(frames.stamp_s))])
+        for name, frames in recording.exposures.items()
+    }
+    longest_s = [*middle_s.values()][-1]
+    speeds = [float(np.linalg.norm(source.motion[0].at(s), axis=-1).mean()) for s in longest_s]
+    count = max(_FEWEST_QUIET, round(_QUIET * len(speeds)))
+    moments_s = longest_s[np.argsort(speeds, kind="stable")[:count]]
     kept = {}
     for name, frames in recording.exposures.items():
-        middles_s = [source.middle_s(name, i) for i in range(len(frames.stamp_s))]
-        speeds = [float(np.linalg.norm(source.motion[0].at(s), axis=-1).mean()) for s in middles_s]
-        count = max(_FEWEST_QUIET, round(_QUIET * len(speeds)))
-        chosen = np.sort(np.argsort(speeds, kind="stable")[:count])
+        chosen = np.unique(np.abs(middle_s[name][:, None] - moments_s).argmin(0))
         kept[name] = ExposedFrames(frames.exposure_ms, frames.stamp_s[chosen], frames.codes_dn[chosen])
     return replace(recording, exposures=kept)
 
@@ -151,22 +157,49 @@ def _mosaic(recording: Recording) -> int:
     return 1 if recording.mosaic == "none" else 2
 
 
-def _response(recording: Recording, chosen: slice) -> Response:
-    stacks = {each.exposure_ms: each.codes_dn[chosen] for each in recording.exposures.values()}
-    return estimated_response(stacks, recording.white_dn)
+def _response_error(
+    stacks: Mapping[float, NDArray[np.uint16]], white_dn: int, found: Response
+) -> NDArray[np.float64]:
+    """(K,) half of what two halves of the frames, or of the colours, differ by in light, and what the longest
+    and the shortest exposure change, whichever is most [1]."""
+    halves = [
+        [estimated_response({t: c[i::2] for t, c in stacks.items()}, white_dn) for i in (0, 1)],
+        [estimated_response(stacks, white_dn, pair) for pair in (PLACES[::3], PLACES[1:3])],
+    ]
+    apart = [_apart(first, second) / 2 for first, second in halves]
+    times = sorted(stacks)
+    for kept in (times[1:], times[:-1]) if len(times) > 2 else ():
+        apart.append(_apart(found, estimated_response({t: stacks[t] for t in kept}, white_dn)))
+    return np.asarray(np.max(apart, axis=0))
+
+
+def _apart(first: Response, second: Response) -> NDArray[np.float64]:
+    """(K,) relative difference in light; brightness that all codes have in common is free [1]."""
+    apart = np.log(np.maximum(first.light_dn[1:], 1e-9) / np.maximum(second.light_dn[1:], 1e-9))
+    apart -= np.median(apart)
+    return np.asarray(np.abs(np.concatenate([apart[:1], apart])))
 
 
 def in_words(found: InUse) -> str:
-    middle = found.response_error[13:-13]
-    lines = [
-        f"Response found from the exposures, light within {np.max(middle):.1%} from 5 to 95 % of the codes."
-    ]
+    lines = [_of_response(found)]
     lines += [_of_blur(blur) for blur in found.blurs]
     lines += [_of_noise(found), _of_vignetting(found.vignetting), _of_steadiness(found.steadiness)]
     named = [name for causes in found.causes_at_rest.values() for name in causes]
     lines.append(f"At rest: {', '.join(named) or 'nothing'} named.")
     lines += [f"Not separable: {' and '.join(each)}." for each in found.not_separated]
     return "\n".join([*lines, found.next_picture]).strip()
+
+
+def _of_response(found: InUse) -> str:
+    codes = found.response.code_dn / found.response.code_dn[-1]
+    inside = (codes >= 0.05) & (codes <= 0.95)
+    error, codes = found.response_error[inside], codes[inside]
+    said = f"Response found from the exposures, light within {error.max():.1%} from 5 to 95 % of the codes"
+    longest = max(np.split(np.arange(len(codes)), np.flatnonzero(error > _KNOWN)), key=len)[1:]
+    if error.max() <= _KNOWN or not len(longest):
+        return f"{said}."
+    low, high = codes[longest[0]], codes[longest[-1]]
+    return f"{said}, within {_KNOWN:.0%} from {low:.0%} to {high:.0%}: beyond, exposures or colours disagree."
 
 
 def _of_blur(blur: MotionBlur) -> str:

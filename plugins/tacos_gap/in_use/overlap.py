@@ -29,8 +29,9 @@ read as 44 and 40 % [1]."""
 _LARGEST_ERROR = 0.5
 """Half of the interval of vignetting from which the frames tell nothing of it [1]."""
 _STEADY, _CLEAR_Z = 0.03, 5.0
-"""Changes of brightness, in time or towards corners, have no name up to this share, or so many standard
-errors [1]."""
+"""Changes of brightness have no name up to this share, or so many standard errors [1]."""
+_FAINT = 0.05
+"""Vignetting has no name up to this share [1]."""
 
 Plane = NDArray[np.float32]
 Values = NDArray[np.float64]
@@ -56,7 +57,7 @@ class Vignetting:
 
     @property
     def present(self) -> bool:
-        return self.interval is not None and self.interval[0] > _STEADY
+        return self.interval is not None and self.interval[0] > _FAINT
 
 
 @dataclass(frozen=True)

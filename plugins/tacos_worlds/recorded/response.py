@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+PLACES = ((0, 0), (0, 1), (1, 0), (1, 1))
 _KNOTS = 256
 _QUANTILES = np.linspace(0.005, 0.995, 400)
-_UNCLIPPED = 0.985
-"""Share of the largest code of a colour up to which it is taken not to be clipped: under a coded response
-each colour has a largest code of its own."""
+_LOWEST, _UNCLIPPED = 0.05, 0.985
+"""Shares between which codes are used: of all, as noise widens the ranks of darker ones, and of the largest
+of a colour, below which it is taken not to be clipped: coded, each colour has a largest code of its own."""
 _SMOOTHNESS = 10.0
 """Weight of a change of the exponent from knot to knot, beside logarithms of ratios of light [1]."""
 
@@ -51,7 +52,9 @@ def tabled_response(values: NDArray[np.float64], white_dn: int) -> Response:
     return Response(np.linspace(0, white_dn, len(values)), values * white_dn / values[-1])
 
 
-def estimated_response(frames_dn: Mapping[float, NDArray[np.uint16]], white_dn: int) -> Response:
+def estimated_response(
+    frames_dn: Mapping[float, NDArray[np.uint16]], white_dn: int, places: Sequence[tuple[int, int]] = PLACES
+) -> Response:
     """The response under which one scene at several exposures has light in proportion to their times.
 
     Brightness ranks alike in all of them, so equal quantiles of their codes are of equal light: motion
@@ -59,6 +62,7 @@ def estimated_response(frames_dn: Mapping[float, NDArray[np.uint16]], white_dn: 
     logarithm of the response is then a least-squares problem.
 
     - `frames_dn`: (N, H, W) codes by exposure time [DN]; two exposures or more.
+    - `places`: (row, column) of the samples of each 2 x 2 that are used.
 
     Source: Debevec and Malik 1997, "Recovering high dynamic range radiance maps from photographs", eq. 3, on
     pairs of Grossberg and Nayar 2003, "Determining the camera response from images: what is knowable?".
@@ -66,9 +70,9 @@ def estimated_response(frames_dn: Mapping[float, NDArray[np.uint16]], white_dn: 
     times = sorted(frames_dn)
     knots_dn = np.linspace(0, white_dn, _KNOTS)
     rows, wanted = [], []
-    for row, column in ((0, 0), (0, 1), (1, 0), (1, 1)):
+    for row, column in places:
         levels = {t: np.quantile(frames_dn[t][:, row::2, column::2], _QUANTILES) for t in times}
-        low_dn, high_dn = 0.002 * white_dn, _UNCLIPPED * max(level[-1] for level in levels.values())
+        low_dn, high_dn = _LOWEST * white_dn, _UNCLIPPED * max(level[-1] for level in levels.values())
         for i, short in enumerate(times):
             for long in times[i + 1 :]:
                 valid = (levels[short] > low_dn) & (levels[long] < high_dn)

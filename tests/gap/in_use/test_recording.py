@@ -103,6 +103,12 @@ def test_the_response_is_found_within_a_percent_without_being_told(moving: InUse
     assert np.abs(ratio / np.median(ratio) - 1).max() < 0.01
 
 
+def test_a_response_that_exposures_disagree_on_is_not_said_to_be_known(tmp_path: Path) -> None:
+    found = diagnosed(record(tmp_path, moves=False, lamp=lambda time_s: 1.1 if time_s % 0.25 > 0.14 else 1.0))
+    assert "exposures or colours disagree" in in_words(found)
+    assert found.response_error.max() > 0.03
+
+
 def test_a_camera_at_rest_has_no_cause_and_is_told_to_move(tmp_path: Path) -> None:
     found = diagnosed(record(tmp_path, moves=False))
     assert not any(found.causes_in_motion.values())
