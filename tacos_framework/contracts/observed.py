@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, Protocol
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -148,15 +148,12 @@ class Estimate:
         In its unit.
     negligible
         By how much it may part from neutral unnoticed, in its unit.
-    known
-        Settings of another kind that captures show beside it: ``{"rounding": "floor"}``.
     """
 
     parameter: str
     value: float
     standard_error: float
     negligible: float
-    known: Mapping[str, Any] = field(default_factory=dict)
 
     def is_seen(self, neutral: float) -> bool:
         """True if it surely parts from neutral, and by what matters.

@@ -68,10 +68,10 @@ def seen_terms(found: Sequence[ClosedForm], effects: Mapping[str, type[Any]]) ->
     """The effects that are surely there, where a search begins with them; parameters not seen are neutral."""
     terms = []
     for name in dict.fromkeys(form.effect for form in found if form.says == "seen"):
-        values: dict[str, Any] = {}
-        for form in (each for each in found if each.effect == name):
-            is_seen = form.says == "seen"
-            values[form.estimate.parameter] = form.estimate.value if is_seen else form.neutral
-            values |= form.estimate.known if is_seen else {}
+        values = {
+            form.estimate.parameter: form.estimate.value if form.says == "seen" else form.neutral
+            for form in found
+            if form.effect == name
+        }
         terms += list(initial_guesses_of(name, effects[name], [values]))
     return tuple(terms)

@@ -28,9 +28,6 @@ _AS_HIGH = 0.9
 _ROUNDING_DN = 12**-0.5
 """Standard deviation of what rounding does to the first and the last code."""
 
-_CLIPPED = 0.5
-"""Share of a picture at one code from which on it is clipped there."""
-
 _SAMPLES = 400_000
 """Values of a capture that are looked at."""
 
@@ -61,23 +58,6 @@ def code_step_dn(captures: Captures) -> Measured | None:
     error_dn = _ROUNDING_DN * step_dn / span
     is_whole = abs(step_dn - round(step_dn)) < SURE * error_dn
     return Measured(round(step_dn) if is_whole else step_dn, error_dn)
-
-
-def ends_a_step_short(captures: Captures, step_dn: float) -> bool:
-    """True if clipped captures show that a converter rounds downwards.
-
-    Its last code lies below the end of the range: six bits shifted up by two stop at 252. One that rounds to
-    the nearest reaches 255.
-    """
-    piled = False
-    for capture in captures:
-        white = capture.context.white_level_dn
-        last = np.floor((white + 0.5) / step_dn) * step_dn
-        values = capture.real_dn[0]
-        if last >= min(np.rint(white / step_dn) * step_dn, white) or values.max() > np.rint(last):
-            return False
-        piled |= bool(np.mean(values == np.rint(last)) > _CLIPPED)
-    return piled
 
 
 def _used_codes(captures: Captures) -> NDArray[np.int64]:

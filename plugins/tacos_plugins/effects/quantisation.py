@@ -18,7 +18,7 @@ from tacos_framework import (
     physical,
     setting,
 )
-from tacos_plugins.effects.code_steps import code_step_dn, ends_a_step_short
+from tacos_plugins.effects.code_steps import code_step_dn
 from tacos_plugins.effects.samples import Moments, Samples
 
 
@@ -72,8 +72,7 @@ class Quantisation:
     def estimate_from(cls, captures: Captures) -> Iterator[Estimate]:
         """The same; nothing where all codes are used, since rounding downwards leaves none empty."""
         if found := code_step_dn(captures):
-            down = {"rounding": "floor"} if ends_a_step_short(captures, found.value) else {}
-            yield Estimate("step_dn", *found, negligible=0.5, known=down)
+            yield Estimate("step_dn", *found, negligible=0.5)
 
     def on_array(
         self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
