@@ -68,13 +68,13 @@ class Camera:
 
     def __init__(self) -> None:
         np.random.seed(4)  # noqa: NPY002 (what the detector of prysm draws from)
-        self._rng = np.random.default_rng(4)
+        rng = np.random.default_rng(4)
         self._psf = point_spread()
         x, y = pixel_places()
         r2 = ((x - MATRIX[0, 2]) ** 2 + (y - MATRIX[1, 2]) ** 2) / (WIDTH**2 + HEIGHT**2) * 4
         self._fall_off = 1 + FALL_OFF[0] * r2 + FALL_OFF[1] * r2**2
-        self._prnu = self._rng.normal(1, PRNU, HEIGHT * WIDTH)
-        self._dark = self._rng.lognormal(-0.3, 0.7, (HEIGHT, WIDTH))
+        self._prnu = rng.normal(1, PRNU, HEIGHT * WIDTH)
+        self._dark = rng.lognormal(-0.3, 0.7, (HEIGHT, WIDTH))
 
     def frames(self, light: Light, exposure_ms: float, count: int) -> NDArray[np.uint16]:
         """(count, H, W) files [DN]."""

@@ -261,11 +261,11 @@ def _is_in_expectation(cls: type[Any], capture: RealCapture) -> bool:
     """
     if not (capture.own_edges or capture.own_light):
         return False
-    scales_light = not _SCALE_LIGHT.isdisjoint(optional(cls, EffectBase, "shown_by"))
-    if capture.own_edges:
-        return scales_light
-    sharpens = cls.stage == "isp" and EDGES in optional(cls, EffectBase, "shown_by")
-    return scales_light or sharpens or cls.stage in ("scene", "optics")
+    shown_by = optional(cls, EffectBase, "shown_by")
+    if not _SCALE_LIGHT.isdisjoint(shown_by):
+        return True
+    sharpens = cls.stage == "isp" and EDGES in shown_by
+    return bool(capture.own_light) and (sharpens or cls.stage in ("scene", "optics"))
 
 
 def _where_known(chain: EffectChain) -> EffectChain:

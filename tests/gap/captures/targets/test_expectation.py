@@ -84,6 +84,18 @@ def test_what_acts_alike_at_all_times_is_in_the_light_of_a_bracket(plugins, name
         assert np.array_equal(simulate(each, camera, draws), simulate(each, [], draws)) is not acts
 
 
+@pytest.mark.parametrize(
+    ("name", "settings", "acts"),
+    [("vignetting", {"k1": -0.3}, False), ("lens-blur", {"sigma_px": 1.5}, True)],
+)
+def test_the_sides_of_an_edge_are_as_bright_as_the_lens_left_them(plugins, name, settings, acts):
+    light = np.where(np.arange(WIDTH) + 0.1 * np.arange(HEIGHT)[:, None] > WIDTH / 2, 180.0, 30.0)
+    (edge,), _ = with_own_expectations([alone("edge", light)])
+    assert edge.own_edges
+    draws, camera = EpisodeDraws(3, ("edge",)), [effect(plugins, name, **settings)]
+    assert np.array_equal(simulate(edge, camera, draws), simulate(edge, [], draws)) is not acts
+
+
 def test_a_bracket_of_a_scene_is_not_compared_place_by_place():
     found, _ = with_own_expectations(bracket_of(patchwork(), [0.005, 0.01, 0.02]))
     for each in found:
