@@ -49,6 +49,9 @@ _WORKING_PX = 1000
 _EVEN = 0.04
 """Departure from smooth shading, over the level, up to which a picture shows an even surface."""
 
+_MOST_BAD_LINES = 0.1
+"""Share of a picture's columns from which on those that stand out are its pattern, not its defects."""
+
 _SIDES = 0.85
 """Share of pixels close to one of two levels from which on a picture shows sharp edges of a print."""
 
@@ -188,11 +191,26 @@ def _is_dark(grey: NDArray[np.float32]) -> bool:
 
 def _unevenness(grey: NDArray[np.float32]) -> float:
     """Departure of a picture, over the level, from the smooth shading that lens and lamp give a wall."""
+    grey = _without_bad_lines(_without_bad_lines(grey).T).T
     fine = cv2.GaussianBlur(grey, (0, 0), 2.0)
     smooth = shading(np.ascontiguousarray(grey))
     lit = smooth > 0.1 * float(np.percentile(smooth, 99))
     departure = np.abs(fine - smooth)[lit] / smooth[lit]
     return float(np.percentile(departure, 99)) + 1 - float(lit.mean())
+
+
+def _without_bad_lines(grey: NDArray[np.float32]) -> NDArray[np.float32]:
+    """The picture with columns that depart from their neighbours over its whole height taken from these.
+
+    Those are of the sensor: no edge or line of a view keeps to one column of pixels.
+    """
+    profile = np.median(grey, axis=0)
+    beside = cv2.medianBlur(np.ascontiguousarray(profile[np.newaxis]), 5)[0]
+    good = np.flatnonzero(np.abs(profile - beside) <= _EVEN * beside)
+    if len(good) < (1 - _MOST_BAD_LINES) * len(profile):
+        return grey
+    nearest = good[np.abs(np.arange(len(profile))[:, np.newaxis] - good).argmin(axis=1)]
+    return grey[:, nearest]
 
 
 def _noise_left(grey: NDArray[np.float32]) -> float:

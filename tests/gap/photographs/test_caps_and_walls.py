@@ -66,6 +66,16 @@ def test_dim_frames_of_a_bracket_are_of_it_and_set_no_black_level(tmp_path):
     assert any("show faintly what" in guess.text for guess in found.guesses)
 
 
+def test_a_wall_seen_by_a_sensor_with_bad_lines_is_a_wall(tmp_path):
+    for k, level_dn in enumerate((60, 120, 200)):
+        wall_dn = level_dn * FALL_OFF
+        wall_dn[:, 101] = 9
+        wall_dn[44:46] += 30
+        save(tmp_path / "in", f"IMG_{k}", wall_dn, k)
+    found = import_photographs([tmp_path / "in"], tmp_path / "out")
+    assert set(kinds(found).values()) == {"flat"}
+
+
 def test_what_could_be_either_is_a_guess_with_its_alternative_and_may_be_answered(tmp_path):
     save(tmp_path / "in", "a", np.full(SHAPE, 30.0) * (1 + 0.03 * X), 1)
     found = import_photographs([tmp_path / "in"], tmp_path / "out")
