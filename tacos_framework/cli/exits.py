@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from pathlib import PurePath
 
 from tacos_framework.cli.terminal import printable_output
-from tacos_framework.errors import UserError
+from tacos_framework.errors import Fault, UserError, printable
 
 DONE = 0
 FAILED = 1
 WRONG_INPUT = 2
 INTERRUPTED = 130
 """128 + SIGINT, as shells expect of a command ended by Ctrl-C."""
+
+_MOST_ALIKE, _FIRST_ALIKE = 8, 3
+"""Faults of one kind that are all shown; of more, so many."""
 
 
 @contextmanager
@@ -36,13 +40,28 @@ def exit_status(command: Callable[[], int]) -> int:
         return _status(command)
 
 
+def _listed(faults: Iterable[Fault]) -> Iterator[str]:
+    """Faults as text: of many of one kind the first ones, and of the others where they are."""
+    kinds: dict[tuple[str, str, str], list[Fault]] = {}
+    for fault in faults:
+        name = PurePath(fault.where).name
+        kinds.setdefault((fault.what.replace(name, "..."), fault.expected, fault.remedy), []).append(fault)
+    for alike in kinds.values():
+        shown = alike if len(alike) <= _MOST_ALIKE else alike[:_FIRST_ALIKE]
+        yield from map(str, shown)
+        if rest := alike[len(shown) :]:
+            yield printable(
+                f"{len(rest)} more like it: {', '.join(PurePath(one.where).name for one in rest)}"
+            )
+
+
 def _status(command: Callable[[], int]) -> int:
     try:
         return command()
     except UserError as error:
         count = len(error.faults)
         print(f"{'1 fault' if count == 1 else f'{count} faults'}:\n", file=sys.stderr)
-        print("\n\n".join(map(str, error.faults)), file=sys.stderr)
+        print("\n\n".join(_listed(error.faults)), file=sys.stderr)
         return WRONG_INPUT
     except KeyboardInterrupt as error:
         print(" ".join(("Interrupted", *getattr(error, "__notes__", ()))) + ".", file=sys.stderr)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
@@ -182,6 +183,59 @@ def test_light_that_drifts_is_named_and_not_fitted(tmp_path):
     assert any("the light drifts or flickers" in doubt for doubt in result["doubts"])
 
 
+def test_drift_of_light_is_no_part_of_prnu(tmp_path):
+    camera = Camera1288(drift=0.03)
+    result = calibrate(camera.write(tmp_path / "f", stack=16), tmp_path)
+    assert value(result, "prnu_percent") == pytest.approx(1.0, rel=0.05)
+    assert any("levels scatter about a straight line" in doubt for doubt in result["doubts"])
+    assert not any("not linear" in doubt for doubt in result["doubts"])
+
+
+def test_bands_in_step_with_the_exposures_are_named(tmp_path):
+    folder = Camera1288().write(tmp_path / "f", stack=16)
+    rows = 1 + 0.03 * np.sin(np.arange(96) / 7)[:, None]
+    for path in folder.glob("bright*.npy"):
+        frame = np.load(path)
+        lit = np.where(frame < 4095, np.rint(60 + (frame - 60.0) * rows), frame)
+        np.save(path, lit.clip(0, 4095).astype(np.uint16))
+    result = calibrate(folder, tmp_path)
+    assert_near(result, Camera1288())
+    assert any("whole rows of bright frames differ by 2.1" in doubt for doubt in result["doubts"])
+
+
+def test_frames_whose_two_bytes_are_exchanged_give_the_same_figures(tmp_path):
+    camera = Camera1288(size=(48, 64))
+    expected = calibrate(camera.write(tmp_path / "e", levels=8), tmp_path)
+    folder = camera.write(tmp_path / "f", levels=8)
+    for path in folder.glob("*.npy"):
+        np.save(path, np.load(path).byteswap())
+    found = calibrate(folder, tmp_path)
+    assert found["levels"] == expected["levels"]
+    assert any("in the wrong order" in doubt for doubt in found["doubts"])
+
+
+def test_smoothed_frames_are_flagged_and_the_export_leaves_out_what_cannot_be(tmp_path):
+    folder = Camera1288().write(tmp_path / "f")
+    for path in folder.glob("*.npy"):
+        np.save(path, cv2.GaussianBlur(np.load(path), (3, 3), 0.8))
+    result = calibrate(folder, tmp_path)
+    doubts = "\n".join(result["doubts"])
+    assert "the noise of neighbouring pixels correlates (+0." in doubts
+    assert "no camera gives more than one electron" in doubts
+    assert "quantum_efficiency" not in read_yaml(tmp_path / "sensor.yaml").data
+
+
+def test_a_stack_does_not_rule_the_line_of_a_camera_whose_darkness_is_cut_off(tmp_path):
+    camera = Camera1288(black=0.0)
+    folder = camera.write(tmp_path / "f", stack=24)
+    fixed = np.random.default_rng(9)
+    for path in folder.glob("bright_s_*.npy"):  # a stack as of 5 % more noise
+        frame = np.load(path)
+        noise = 0.32 * np.sqrt(0.25 * frame) * fixed.standard_normal(frame.shape)
+        np.save(path, np.rint(frame + noise).clip(0, 4095).astype(np.uint16))
+    assert_near(calibrate(folder, tmp_path), camera)
+
+
 def test_a_tone_curve_is_flagged(tmp_path):
     camera = Camera1288(response=lambda dn: 4000 * (np.maximum(dn, 0) / 4000) ** 0.8)
     result = calibrate(camera.write(tmp_path / "f"), tmp_path)
@@ -253,9 +307,11 @@ def test_one_frame_a_level_is_refused_with_what_to_do(tmp_path):
 def test_copies_and_levels_under_one_name_are_told_together(tmp_path):
     folder = Camera1288(size=(32, 32)).write(tmp_path / "f", levels=4, photons_known=False)
     np.save(folder / "bright0_1.npy", np.load(folder / "bright0_0.npy"))
-    np.save(folder / "bright1_1.npy", np.load(folder / "bright2_1.npy"))
-    copies, mixed = refused(folder, tmp_path)
-    assert "copies of one another" in copies
+    np.save(folder / "bright1_1.npy", np.load(folder / "bright2_1.npy") + 1)
+    np.save(folder / "dark1_1.npy", np.load(folder / "dark3_0.npy"))
+    copy, mixed, dark = refused(folder, tmp_path)
+    assert "bright0_1.npy: this frame is a copy of bright0_0.npy" in copy
+    assert "dark3_0.npy: this frame is a copy of dark1_1.npy" in dark
     assert "differ in mean" in mixed
     assert "a column level" in mixed
 
@@ -309,11 +365,49 @@ def test_all_faults_of_a_table_come_at_once(tmp_path):
         assert part in told
 
 
+def test_faults_of_the_table_and_of_files_come_together(tmp_path):
+    folder = Camera1288(size=(32, 32)).write(tmp_path / "f", levels=4)
+    table = folder / "frames.csv"
+    table.write_text(table.read_text().replace("bright,300000,", "brite,300000,", 1))
+    (folder / "dark3_1.npy").write_bytes(b"nothing")
+    told = "\n".join(refused(folder, tmp_path))
+    assert "kind is 'brite'" in told
+    assert "dark3_1.npy" in told
+
+
+def test_folders_that_tell_no_gain_say_why(tmp_path):
+    camera = Camera1288(size=(32, 32))
+    curve = camera.but(response=lambda dn: 4000 * (np.maximum(dn, 0) / 4000) ** 0.45)
+    assert "a tone curve lies over the samples" in refused(curve.write(tmp_path / "c"), tmp_path)[0]
+    folder = camera.write(tmp_path / "s", photons_known=False)
+    table = (folder / "frames.csv").read_text()
+    exchanged = table.replace("bright,", "b,").replace("dark,", "bright,").replace("b,", "dark,")
+    (folder / "frames.csv").write_text(exchanged.replace(",0,", ",,"))
+    assert "no brighter than dark ones" in refused(folder, tmp_path)[0]
+    for path in folder.glob("bright*.npy"):
+        np.save(path, np.full((32, 32), 4095, np.uint16))
+    (folder / "frames.csv").write_text(table)
+    assert "all of 16 bright levels are cut off" in refused(folder, tmp_path)[0]
+
+
+def test_photons_may_be_nan_and_other_columns_are_named(tmp_path):
+    camera = Camera1288(size=(48, 64))
+    table = camera.write(tmp_path / "f", levels=8, photons_known=False) / "frames.csv"
+    head, *lines = table.read_text().splitlines()
+    table.write_text(
+        "\n".join([head + ",irradiance", *(line.replace(",,", ",NaN,") + ",3" for line in lines)])
+    )
+    result = calibrate(table.parent, tmp_path)
+    assert result["quantum_efficiency"]["value"] is None
+    assert any("not read: irradiance" in doubt for doubt in result["doubts"])
+
+
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
         (None, "there is no frames.csv"),
         ("file,photons_per_pixel\n", "there is no column kind, exposure_ns"),
+        ("kind,exposure,file\n", "names no unit of time"),
         ("kind,exposure_ns,file\n", "there are no bright frames"),
         ("", "there is no column kind, file"),
     ],

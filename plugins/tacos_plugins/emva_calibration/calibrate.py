@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from tacos_files.camera_images import read_frame
-from tacos_framework import Progress, Settings, setting
+from tacos_framework import Progress, Settings, UserError, setting
 from tacos_plugins.emva_calibration.data_sheet import DataSheet, data_sheet
 from tacos_plugins.emva_calibration.doubts import doubts, of_mosaic
 from tacos_plugins.emva_calibration.export import sensor_settings, sensor_yaml
-from tacos_plugins.emva_calibration.frame_table import FrameGroup, read_frame_table
-from tacos_plugins.emva_calibration.measurement import measure_channels
+from tacos_plugins.emva_calibration.frame_table import FrameGroup, FrameTable, read_frame_table
+from tacos_plugins.emva_calibration.measurement import faults_of_files, measure_channels
 from tacos_plugins.emva_calibration.page import page
 from tacos_plugins.noise_calibration.frame_files import Mosaic
 from tacos_plugins.noise_calibration.pages import shown
@@ -47,12 +47,15 @@ class CalibrateCamera:
     def run(self, *, out: Path, seed: int, progress: Progress) -> Mapping[str, Any]:
         """Calibrate; leaves ``sensor.yaml`` and ``report.html``."""
         config, folder = self.config, Path(self.config.frames)
-        groups = read_frame_table(folder)
+        table = read_frame_table(folder)
+        groups = table.groups
+        if table.faults:
+            raise UserError([*table.faults, *faults_of_files(folder, groups, config.cfa)])
         progress.phase("reading frames", len(groups))
         channels, single = measure_channels(folder, groups, config.cfa, config.bit_depth, progress.step)
         rng = np.random.default_rng(seed)
         sheets = [data_sheet(channel, config.frames, rng) for channel in channels]
-        found = self._doubts(folder, groups, single, sheets)
+        found = self._doubts(folder, table, single, sheets)
         settings, missing = sensor_settings(sheets)
         # They must serve as an input from now on.
         Emva(Emva.Config(**{name: value for name, value in settings.items() if name != "use"}))
@@ -66,7 +69,7 @@ class CalibrateCamera:
     def _doubts(
         self,
         folder: Path,
-        groups: Sequence[FrameGroup],
+        table: FrameTable,
         single: Sequence[FrameGroup],
         sheets: Sequence[DataSheet],
     ) -> list[str]:
@@ -80,17 +83,25 @@ class CalibrateCamera:
             found.append(
                 f"{len(single)} levels have one frame and are left out ({single[0]}, ...): take two of each."
             )
+        if sheets[0].channel.bytes_swapped:
+            found.append(
+                "the two bytes of a sample stand in the wrong order in the files, and were swapped: as "
+                "stored, neighbouring pixels differ at random. Save frames in the byte order of their format."
+            )
+        if table.unread and not np.isfinite(sheets[0].brights.photons).all():
+            found.append(f"columns of frames.csv that are not read: {', '.join(table.unread)}.")
         if not several:
-            found += _mosaic_doubt(groups, sheets[0], folder)
+            found += _mosaic_doubt(sheets[0], folder)
         return found
 
 
-def _mosaic_doubt(groups: Sequence[FrameGroup], sheet: DataSheet, folder: Path) -> list[str]:
+def _mosaic_doubt(sheet: DataSheet, folder: Path) -> list[str]:
     """Look at the brightest level that is not saturated for a mosaic that was not named."""
     levels = sorted(sheet.channel.of("bright"), key=lambda each: each[1].mean_dn)
     count = int(np.flatnonzero(sheet.selected.fitted)[-1]) + 1
     path = levels[min(count, len(levels)) - 1][0].files[0]
-    image = read_frame(path, str(path), folder)[..., 0] / sheet.channel.step_dn
+    stored = read_frame(path, str(path), folder)[..., 0]
+    image = (stored.byteswap() if sheet.channel.bytes_swapped else stored) / sheet.channel.step_dn
     means = np.array([[image[row::2, column::2].mean() for column in (0, 1)] for row in (0, 1)])
     return of_mosaic(means, sheet.value("black_level_dn") or 0.0)
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from tacos_framework import Fault, UserError
 from tacos_plugins.emva_calibration.evaluation import figures
 from tacos_plugins.emva_calibration.intervals import intervals
 from tacos_plugins.emva_calibration.levels import Array, Brights, Darks, Selection, arrays_of, select
@@ -92,6 +93,15 @@ def data_sheet(channel: Channel, where: str, rng: np.random.Generator) -> DataSh
     selected = select(channel, brights, darks, where)
     with np.errstate(invalid="ignore", divide="ignore"):
         values = figures(brights, darks, selected)
+    if not values["system_gain_dn_per_e"] > 0:
+        raise UserError(
+            Fault(
+                f"{where}, channel {channel.name}",
+                "the variance does not grow with brightness",
+                "frames as the sensor gave them, whose noise grows with the light",
+                "Switch off noise reduction, gamma and automatic gain, and save raw frames.",
+            )
+        )
     within, draws = intervals(brights, darks, selected, rng)
     bright, dark = _stacks(channel, brights, selected)
     of_space = _nonuniformity(bright, dark, draws["system_gain_dn_per_e"], rng)

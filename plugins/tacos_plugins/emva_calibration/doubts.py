@@ -5,11 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from tacos_plugins.emva_calibration.data_sheet import DataSheet
-from tacos_plugins.emva_calibration.evaluation import signals
-from tacos_plugins.emva_calibration.levels import at_exposure
+from tacos_plugins.emva_calibration.evaluation import linearity, signals
+from tacos_plugins.emva_calibration.levels import Array, at_exposure
 
 _CLEAR_Z = 5.0
-_LEAST_BANDS, _LEAST_DRIFT = 1e-4, 3e-3
+_LEAST_BANDS, _LEAST_DRIFT = 5e-4, 3e-3
+_CORRELATED = 0.1
+_SCATTER_RATIO, _LEAST_SCATTERED = 1.0, 8
+_STEADY_SHARE = 0.5
 _NONLINEAR_PERCENT = 1.0
 _LEAST_BEND, _BEND_Z = 0.10, 4.0
 _GRADUAL_SHARE = 0.5
@@ -18,12 +21,33 @@ _MOSAIC_SHARE = 0.02
 
 def doubts(sheet: DataSheet) -> list[str]:
     """Sentences about one channel, what matters most first."""
-    found = [*_darkness(sheet), *_light(sheet), *_line(sheet), *_pattern(sheet)]
+    found = [*_filtered(sheet), *_darkness(sheet), *_light(sheet), *_line(sheet), *_pattern(sheet)]
     if sheet.channel.step_dn > 1:
         found.append(
             f"samples are multiples of {sheet.channel.step_dn}: digital numbers are counted in these "
             "steps, as the "
             f"{sheet.channel.bit_depth} bits of the camera."
+        )
+    return found
+
+
+def _filtered(sheet: DataSheet) -> list[str]:
+    """Signs that frames are not as the sensor gave them."""
+    found: list[str] = []
+    fitted = np.flatnonzero(sheet.selected.fitted)
+    levels = sorted(sheet.channel.of("bright"), key=lambda each: each[1].mean_dn)
+    beside = float(np.median([levels[i][1].neighbours for i in fitted]))
+    if abs(beside) > _CORRELATED:
+        found.append(
+            f"the noise of neighbouring pixels correlates ({beside:+.2f}): frames were smoothed, sharpened, "
+            "demosaiced or scaled. Variance, and with it gain, quantum efficiency and dark noise, are wrong. "
+            "Save raw frames."
+        )
+    efficiency = sheet.value("quantum_efficiency")
+    if efficiency is not None and efficiency > 1:
+        found.append(
+            f"the quantum efficiency is {efficiency:.3g}, and no camera gives more than one electron for a "
+            "photon: frames were smoothed or averaged, or photons_per_pixel is too small."
         )
     return found
 
@@ -101,7 +125,13 @@ def _light(sheet: DataSheet) -> list[str]:
 def _line(sheet: DataSheet) -> list[str]:
     found: list[str] = []
     error = sheet.value("linearity_error_percent")
-    if error is not None and error > _NONLINEAR_PERCENT:
+    signal, light = signals(sheet.brights, sheet.darks, sheet.selected)
+    if error is not None and error > _NONLINEAR_PERCENT and _scattered(sheet, light, signal):
+        found.append(
+            f"levels scatter about a straight line by {error:.2g} % without order: the light, or what "
+            "photons_per_pixel says of it, changes from level to level. Linearity is not known better."
+        )
+    elif error is not None and error > _NONLINEAR_PERCENT:
         found.append(
             f"the camera is not linear: LE {error:.2g} % (from "
             f"{sheet.value('linearity_error_min_percent'):+.2g} to "
@@ -110,7 +140,6 @@ def _line(sheet: DataSheet) -> list[str]:
             "gain, quantum efficiency and dark noise hold for a linear camera only."
         )
     used = sheet.selected.fitted
-    signal, _ = signals(sheet.brights, sheet.darks, sheet.selected)
     x, y, e = signal[used], sheet.brights.variance_dn2[used], sheet.brights.variance_error_dn2[used]
     if len(x) > 5:
         powers = np.vander(x / x.max(), 3) / e[:, None]
@@ -131,10 +160,37 @@ def _line(sheet: DataSheet) -> list[str]:
     return found
 
 
+def _scattered(sheet: DataSheet, light: Array, signal: Array) -> bool:
+    """True if deviations from linearity change from level to level at random, as no curve does.
+
+    Source: von Neumann, "Distribution of the ratio of the mean square successive difference to the
+    variance", Annals of Mathematical Statistics 12 (1941): 2 by chance, near 0 for a curve.
+    """
+    errors = linearity(light, signal, sheet.selected.linear)
+    if len(errors) < _LEAST_SCATTERED:
+        return False
+    return float(np.mean(np.diff(errors) ** 2)) > _SCATTER_RATIO * float(errors.var())
+
+
 def _pattern(sheet: DataSheet) -> list[str]:
     found: list[str] = []
-    bright = sheet.bright_stack
-    if bright is not None and bright.gradual_dn2 > _GRADUAL_SHARE * bright.total_dn2 > 0:
+    bright, dark = sheet.bright_stack, sheet.dark_stack
+    if bright is not None and dark is not None:
+        lit = bright.total_dn2 - dark.total_dn2
+        for name, part in (
+            ("rows", bright.row_dn2 - dark.row_dn2),
+            ("columns", bright.column_dn2 - dark.column_dn2),
+        ):
+            if part > max(_STEADY_SHARE * lit, _CLEAR_Z * bright.error_dn2):
+                share = np.sqrt(part) / (bright.mean_dn - dark.mean_dn)
+                found.append(
+                    f"whole {name} of bright frames differ by {share:.2%} of the signal, the same in each "
+                    "frame: bands of a lamp in step with the exposures, or of the sensor itself. They count "
+                    "in PRNU, and not in the noise. Use a lamp on direct current."
+                )
+    if bright is None or bright.gradual_dn2 < _CLEAR_Z * bright.error_dn2:
+        return found
+    if bright.gradual_dn2 > _GRADUAL_SHARE * bright.total_dn2 > 0:
         found.append(
             f"{bright.gradual_dn2 / bright.total_dn2:.0%} of the variance that PRNU stands for "
             "changes gradually over "

@@ -89,11 +89,13 @@ def system_gain(brights: Brights, darks: Darks, selected: Selection) -> float:
 
 
 def free_transfer(brights: Brights, selected: Selection) -> tuple[float, float]:
-    """Offset [DN^2] and slope [DN] of variance over mean, weighted by the errors of variances."""
+    """Offset [DN^2] and slope [DN] of variance over mean: a level counts once, however many its frames.
+
+    Chance scatters each variance by one share of itself; errors would let a stack of frames rule the line.
+    """
     used = selected.fitted
-    slope, offset = np.polyfit(
-        brights.mean_dn[used], brights.variance_dn2[used], 1, w=1 / brights.variance_error_dn2[used]
-    )
+    mean, variance = brights.mean_dn[used], brights.variance_dn2[used]
+    slope, offset = np.polyfit(mean, variance, 1, w=1 / variance)
     return float(offset), float(slope)
 
 

@@ -27,6 +27,8 @@ def sensor_settings(sheets: Sequence[DataSheet]) -> tuple[dict[str, object], tup
         value = sheet.value(name)
         if value is None:
             missing.append(f"{setting}: {sheet.figures[name].reason}")
+        elif name == "quantum_efficiency" and value > 1:
+            missing.append(f"{setting}: {value:.3g} is above 1, which no camera reaches")
         else:
             settings[setting] = float(f"{max(value, 0.0):.6g}")
     settings["bit_depth"] = sheet.channel.bit_depth

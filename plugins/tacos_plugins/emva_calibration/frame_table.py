@@ -14,16 +14,19 @@ from tacos_framework.files import read_csv
 
 TABLE = "frames.csv"
 _COLUMNS = "kind,exposure_ns,photons_per_pixel,file (photons_per_pixel may be empty)"
+_EXPOSURES = "exposure_ns (or exposure_us, exposure_ms, exposure_s)"
 _KINDS = ("bright", "dark")
 _SAME = {"light": "bright", "flat": "bright", "bias": "dark"}
 """Other words for kinds."""
 _HEADINGS = {
-    "kind": ("kind", "type"),
+    "kind": ("kind", "type", "frametype", "imagetype"),
     "exposure": EXPOSURE,
-    "photons_per_pixel": ("photonsperpixel", "photons"),
+    "photons_per_pixel": ("photonsperpixel", "photons", "meanphotons", "meanphotonsperpixel"),
     "file": FILE,
     "level": ("level",),
 }
+_UNKNOWN = {"", "-", "?", "nan", "na", "n/a", "none", "unknown"}
+"""Cells that leave photons open, as programs write them."""
 _ONE_LEVEL = 0.01
 """Exposures and photons of frames of one level may differ by this share [1]."""
 
@@ -50,10 +53,19 @@ class FrameGroup:
         )
 
 
-def read_frame_table(folder: Path) -> tuple[FrameGroup, ...]:
-    """The groups of frames that a folder's table lists, by kind and exposure.
+@dataclass(frozen=True)
+class FrameTable:
+    """A table as read: the groups of its sound lines, what is wrong with the others, columns without use."""
 
-    Raises `UserError` with every fault of the table, and every file that is not there.
+    groups: tuple[FrameGroup, ...]
+    faults: tuple[Fault, ...]
+    unread: tuple[str, ...]
+
+
+def read_frame_table(folder: Path) -> FrameTable:
+    """The groups of frames that a folder's table lists, by kind and exposure, and faults of its lines.
+
+    Raises `UserError` when there is no table, or it lacks a column.
     """
     path = folder / TABLE
     if not path.is_file():
@@ -63,18 +75,25 @@ def read_frame_table(folder: Path) -> tuple[FrameGroup, ...]:
     (_, first), *lines = read_csv(path) or [(1, [])]
     columns = {name: found for name, names in _HEADINGS.items() if (found := find_column(first, names))}
     missing = [name for name in ("kind", "file") if name not in columns]
-    if "exposure" not in columns or columns["exposure"].unit_s is None:
-        missing.append("exposure_ns (or exposure_us, exposure_ms, exposure_s)")
+    if "exposure" not in columns:
+        missing.append(_EXPOSURES)
+    faults = []
     if missing:
-        raise UserError(Fault(f"{path}:1", f"there is no column {', '.join(missing)}", _COLUMNS))
+        there = f"; its columns are {', '.join(first)}" if first else ""
+        faults.append(Fault(f"{path}:1", f"there is no column {', '.join(missing)}{there}", _COLUMNS))
+    elif columns["exposure"].unit_s is None:
+        what = f"the column {columns['exposure'].heading!r} names no unit of time"
+        faults.append(Fault(f"{path}:1", what, _EXPOSURES, "Write the unit into the heading."))
+    if faults:
+        raise UserError(faults)
     reader = _Reader(folder, columns["exposure"])
     for number, cells in lines:
         if any(cells):
             reader.take(f"{path}:{number}", {name: column.cell(cells) for name, column in columns.items()})
     reader.finish(path)
-    if reader.faults:
-        raise UserError(reader.faults)
-    return reader.groups()
+    read = {column.place for column in columns.values()}
+    unread = tuple(heading for place, heading in enumerate(first) if heading and place not in read)
+    return FrameTable(reader.groups(), tuple(reader.faults), unread)
 
 
 class _Reader:
@@ -95,8 +114,9 @@ class _Reader:
         if kind not in _KINDS:
             self.faults.append(Fault(where, f"kind is {kind or 'empty'!r}", "bright or dark"))
         exposure = self._number(where, self.exposure.heading, row["exposure"])
-        given = row.get("photons_per_pixel")
-        photons = self._number(where, "photons_per_pixel", given) if given else None
+        given = row.get("photons_per_pixel", "")
+        known = given.lower() not in _UNKNOWN
+        photons = self._number(where, "photons_per_pixel", given) if known else None
         if kind == "dark":
             if photons:
                 self.faults.append(Fault(where, f"a dark frame has {photons:g} photons", "0, or nothing"))
@@ -126,7 +146,9 @@ class _Reader:
         elif name in self._seen:
             self.faults.append(Fault(where, f"{name!r} stands twice, as in {self._seen[name]}", "each once"))
         elif not (self.folder / name).is_file():
-            self.faults.append(Fault(where, f"there is no file {name!r}", f"a frame in {self.folder}"))
+            remedy = "Copy it into the folder, or take its line out of the table."
+            what = f"there is no file {name!r}"
+            self.faults.append(Fault(where, what, f"a frame in {self.folder}", remedy))
         self._seen.setdefault(name, where.rpartition(":")[2])
 
     def finish(self, path: Path) -> None:

@@ -26,6 +26,7 @@ CENSORED_SHARE = 1e-3
 """Share of samples at either end from which a level counts as cut off [1]."""
 
 _COLLAPSED = 0.8
+_EARLY = 0.5
 
 
 @dataclass(frozen=True)
@@ -133,22 +134,42 @@ def select(channel: Channel, brights: Brights, darks: Darks, where: str) -> Sele
     if censored or fine:
         fitted &= brights.variance_dn2 >= FINEST_DN2 + ROUNDING_DN2
     if fitted.sum() < LEAST_LEVELS:
-        cut = int(brights.censored.sum())
-        raise UserError(
-            Fault(
-                f"{where}, channel {channel.name}",
-                f"{fitted.sum()} of {len(signal)} bright levels serve for the gain: {cut} are cut "
-                "off at 0 or at "
-                f"full scale, the others lie above {FIT_SHARE:.0%} of saturation or below what "
-                "rounding shows",
-                f"{LEAST_LEVELS} levels or more from darkness to {FIT_SHARE:.0%} of saturation, better 50",
-                "Take shorter exposures, or less light. Set bit_depth where files have fewer bits "
-                "than it says.",
-            )
-        )
+        what, expected, remedy = _too_few(brights, signal, saturation, int(fitted.sum()))
+        raise UserError(Fault(f"{where}, channel {channel.name}", what, expected, remedy))
     low, high = LINEAR_SHARES
     linear = usable & (signal >= low * top) & (signal <= high * top)
     return Selection(fitted, linear, saturation, censored, fine)
+
+
+def _too_few(brights: Brights, signal: Array, saturation: int | None, fitted: int) -> tuple[str, str, str]:
+    """Why the levels do not give a gain, what would, and what to do."""
+    levels, cut = len(signal), int(brights.censored.sum())
+    if np.median(signal) <= 0:
+        return (
+            f"bright frames are no brighter than dark ones: half of {levels} levels lie "
+            f"{-np.median(signal):.3g} DN below darkness, or deeper",
+            "kind: bright for frames of light, and dark for those without",
+            "Exchange the two words in frames.csv, where they stand for the other.",
+        )
+    if cut == levels:
+        return (
+            f"all of {levels} bright levels are cut off at 0 or at full scale",
+            f"levels from darkness to {FIT_SHARE:.0%} of saturation",
+            "Take shorter exposures, or less light.",
+        )
+    if saturation is not None and signal[saturation] < _EARLY * signal.max():
+        return (
+            f"the variance falls from {brights.mean_dn[saturation]:.4g} DN on, and the brightest level has "
+            f"{brights.mean_dn.max():.4g} DN: a tone curve lies over the samples",
+            "samples in proportion to the light",
+            "Switch off gamma, tone curve and automatic gain, and save raw frames.",
+        )
+    return (
+        f"{fitted} of {levels} bright levels serve for the gain; cut off at 0 or at full scale: {cut}; "
+        f"the others lie above {FIT_SHARE:.0%} of saturation or below what rounding shows",
+        f"{LEAST_LEVELS} levels or more from darkness to {FIT_SHARE:.0%} of saturation, better 50",
+        "Take shorter exposures, or less light. Set bit_depth where files have fewer bits than it says.",
+    )
 
 
 def _saturation(brights: Brights) -> int | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from hashlib import blake2b
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from tacos_files.camera_images import read_frame, usual_bit_depth
 from tacos_framework import Fault, UserError
-from tacos_plugins.emva_calibration.frame_table import FrameGroup
+from tacos_plugins.emva_calibration.frame_table import TABLE, FrameGroup
 from tacos_plugins.emva_calibration.moments import Frame, Moments, moments_of
 from tacos_plugins.emva_calibration.nonuniformity import SpatialVariance, spatial_variance
 
@@ -22,6 +23,8 @@ LEAST_LEVELS = 3
 """Bright levels that the gain takes."""
 
 _NARROWEST_PX = 16
+_FAR_ROUGHER = 8.0
+_ONE_VALUE = 0.99
 _MOST_DRIFT = 0.15
 
 
@@ -34,6 +37,8 @@ class Channel:
     stacks: tuple[tuple[FrameGroup, SpatialVariance], ...]
     bit_depth: int
     step_dn: int
+    bytes_swapped: bool = False
+    """True if files hold the two bytes of a sample in the wrong order, and they were swapped."""
 
     def of(self, kind: str) -> list[tuple[FrameGroup, Moments]]:
         """The groups that are bright, or dark."""
@@ -73,6 +78,7 @@ def measure_channels(
             )
         )
     reader = _FrameReader(folder, mosaic)
+    reader.find_byte_order(paired)
     found: dict[str, list[tuple[FrameGroup, Moments]]] = {name: [] for name in reader.planes}
     stacks: dict[str, list[tuple[FrameGroup, SpatialVariance]]] = {name: [] for name in reader.planes}
     for group in paired:
@@ -104,23 +110,26 @@ def measure_channels(
             tuple((group, _in_steps(spatial, step)) for group, spatial in stacks[name]),
             depth,
             step,
+            reader.swapped,
         )
         for name in found
     ), single
 
 
+def faults_of_files(folder: Path, groups: Sequence[FrameGroup], mosaic: str) -> list[Fault]:
+    """What is wrong with the files of groups, where their table has faults of its own."""
+    return _FrameReader(folder, mosaic).faults_of(groups)
+
+
 def _not_one_light(folder: Path, group: FrameGroup, found: Moments) -> list[Fault]:
-    """Faults of frames that are copies of one another, or of different light under one name."""
-    if group.kind == "bright" and found.variance_dn2 == 0 and found.at_highest < 0.5 and found.drift_dn == 0:
-        what = f"the frames of {group} are copies of one another"
-        return [Fault(str(folder), what, "frames taken one after another", "Take them anew.")]
+    """Faults of frames of different light under one name."""
     most = max(_MOST_DRIFT * found.mean_dn, 5 * np.sqrt(found.variance_dn2), 1.0)
-    if found.drift_dn <= most:
+    if found.drift_dn <= most and found.spread_dn <= 2 * most:
         return []
     return [
         Fault(
             str(folder),
-            f"the frames of {group} differ in mean by {found.drift_dn:.3g} DN, at a mean of "
+            f"the frames of {group} differ in mean by {found.spread_dn:.3g} DN, at a mean of "
             f"{found.mean_dn:.4g}",
             "frames of one light and one exposure",
             "Where light changes and exposure does not, tell levels apart by photons_per_pixel or a "
@@ -158,11 +167,37 @@ class _FrameReader:
     def __init__(self, folder: Path, mosaic: str):
         self.folder = folder
         self.faults: list[Fault] = []
+        self.swapped = False
         self._size: tuple[tuple[int, ...], str] | None = None
+        self._seen: dict[bytes, Path] = {}
         places: dict[str, list[tuple[int, int]]] = {}
         for place, colour in enumerate("" if mosaic == "none" else mosaic):
             places.setdefault(colour, []).append((place // 2, place % 2))
         self.planes = {colour: places[colour] for colour in "GRB"} if places else {"mono": []}
+
+    def find_byte_order(self, groups: Sequence[FrameGroup]) -> None:
+        """Decide by the first bright frame in which one order of bytes is far smoother than the other."""
+        for group in groups:
+            if group.kind != "bright":
+                continue
+            try:
+                image = read_frame(group.files[0], str(group.files[0]), self.folder)[..., 0]
+            except UserError:  # reported where all frames are read
+                continue
+            as_stored, swapped = _roughness(image), _roughness(image.byteswap())
+            if max(as_stored, swapped) > _FAR_ROUGHER * min(as_stored, swapped):
+                self.swapped = as_stored > swapped
+                return
+
+    def faults_of(self, groups: Sequence[FrameGroup]) -> list[Fault]:
+        """What is wrong with the files of groups, each read once."""
+        for group in groups:
+            try:
+                for _ in self.frames(group, next(iter(self.planes))):
+                    pass
+            except UserError as error:
+                self.keep(error)
+        return self.faults
 
     def keep(self, error: UserError) -> None:
         """Keep what one file was refused for, once."""
@@ -205,4 +240,26 @@ class _FrameReader:
         if size != first:
             what = f"this frame has {size[1]} x {size[0]} pixels"
             raise UserError(Fault(str(path), what, f"{first[1]} x {first[0]}, as {name}"))
-        return image[..., 0]
+        found = image[..., 0]
+        self._refuse_copy(path, found)
+        return found.byteswap() if self.swapped and found.itemsize > 1 else found
+
+    def _refuse_copy(self, path: Path, image: NDArray[np.integer]) -> None:
+        """Refuse a frame that repeats another one; those of one value, as saturated ones, may."""
+        digest = blake2b(image.tobytes(), digest_size=16).digest()
+        first = self._seen.setdefault(digest, path)
+        if first != path and np.mean(image == np.median(image)) < _ONE_VALUE:
+            raise UserError(
+                Fault(
+                    str(path),
+                    f"this frame is a copy of {first.name}, sample by sample",
+                    "frames taken one after another, whose noise differs",
+                    f"Take it anew, or take its line out of {TABLE}.",
+                )
+            )
+
+
+def _roughness(image: NDArray[np.integer]) -> float:
+    """Mean difference of pixels two columns apart, as the photosites of one colour are, over the mean."""
+    exact = image.astype(np.float64)
+    return float(np.abs(exact[:, 2:] - exact[:, :-2]).mean() / max(exact.mean(), 1e-9))

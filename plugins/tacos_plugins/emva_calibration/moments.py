@@ -35,7 +35,12 @@ class Moments:
     scatter that chance gives it [DN^2].
     """
     drift_dn: float
-    """Root mean square of the difference of means of two frames in succession [DN]."""
+    spread_dn: float
+    """Root mean square of the difference of means of two frames in succession; and the brightest mean less
+    the dimmest [DN].
+    """
+    neighbours: float
+    """Correlation of the noise of neighbouring pixels, the larger of that in rows and in columns [1]."""
     lowest_dn: float
     highest_dn: float
     """Smallest and largest sample [DN]."""
@@ -51,8 +56,8 @@ class Moments:
         return Moments(
             self.frames, self.pixels, self.mean_dn * one, self.variance_dn2 * two,
             self.variance_error_dn2 * two, self.bands_dn2 * two, self.bands_error_dn2 * two,
-            self.drift_dn * one, self.lowest_dn * one,
-            self.highest_dn * one, self.at_zero, self.at_highest, self.bits // step_dn,
+            self.drift_dn * one, self.spread_dn * one, self.neighbours,
+            self.lowest_dn * one, self.highest_dn * one, self.at_zero, self.at_highest, self.bits // step_dn,
         )  # fmt: skip
 
 
@@ -65,6 +70,7 @@ class Difference:
     bands_dn2: float
     bands_error_dn2: float
     mean_dn: float
+    neighbours: tuple[float, float]
 
 
 def difference(first: NDArray[np.integer], second: NDArray[np.integer]) -> Difference:
@@ -82,9 +88,12 @@ def difference(first: NDArray[np.integer], second: NDArray[np.integer]) -> Diffe
     by_chance = variance * (1 / width + 1 / height)
     bands = float(rows.var(ddof=1) + columns.var(ddof=1)) if min(height, width) > 1 else 0.0
     scatter = variance * np.sqrt(2 / max(height - 1, 1) / width**2 + 2 / max(width - 1, 1) / height**2)
+    power = max(float(squares.mean()), 1e-30)
+    beside = float((rest[:, 1:] * rest[:, :-1]).mean()), float((rest[1:] * rest[:-1]).mean())
     return Difference(
-        variance / 2, np.sqrt(max(spread, 0.0) / freedom) / 2, (bands - by_chance) / 2, scatter / 2, mean
-    )
+        variance / 2, np.sqrt(max(spread, 0.0) / freedom) / 2, (bands - by_chance) / 2, scatter / 2, mean,
+        (beside[0] / power, beside[1] / power),
+    )  # fmt: skip
 
 
 def moments_of(frames: Iterable[Frame]) -> Moments:
@@ -121,6 +130,8 @@ def moments_of(frames: Iterable[Frame]) -> Moments:
         bands_dn2=float(np.mean([each.bands_dn2 for each in found])),
         bands_error_dn2=float(np.sqrt(np.mean([each.bands_error_dn2**2 for each in found])) / several),
         drift_dn=float(np.sqrt(np.mean(np.diff(means) ** 2))),
+        spread_dn=float(np.ptp(means)),
+        neighbours=float(max(np.mean([each.neighbours for each in found], axis=0), key=abs)),
         lowest_dn=float(lowest),
         highest_dn=highest,
         at_zero=zeros / samples,

@@ -35,34 +35,48 @@ class SpatialVariance:
 
 def spatial_variance(frames: Iterable[Frame]) -> SpatialVariance:
     """Spatial variance of a stack of at least two frames, temporal noise subtracted."""
-    sums: list[NDArray[np.float64]] = []
-    squares: list[NDArray[np.float64]] = []
+    planes: list[_Plane] = []
     count = 0
     for frame in frames:
-        exact = [plane.astype(np.float64) for plane in frame]
+        planes = planes or [_Plane(np.zeros(plane.shape), np.zeros(plane.shape)) for plane in frame]
         count += 1
-        if not sums:
-            sums, squares = [plane.copy() for plane in exact], [plane**2 for plane in exact]
-            continue
-        for total, square, plane in zip(sums, squares, exact, strict=True):
-            total += plane
-            square += plane**2
-    return _averaged([_of_plane(*both, count) for both in zip(sums, squares, strict=True)], count)
+        for of_plane, plane in zip(planes, frame, strict=True):
+            of_plane.add(plane.astype(np.float64))
+    return _averaged([_of_plane(plane, count) for plane in planes], count)
 
 
-def _of_plane(total: NDArray[np.float64], square: NDArray[np.float64], count: int) -> list[float]:
-    mean = total / count
-    temporal = float(((square - total * mean) / (count - 1)).mean()) / count
+class _Plane:
+    """Sums of a plane over frames; their means apart, since light that drifts is no noise of pixels."""
+
+    def __init__(self, total: NDArray[np.float64], square: NDArray[np.float64]):
+        self.total, self.square = total, square
+        self.level = 0.0
+        self.rows: list[NDArray[np.float64]] = []
+
+    def add(self, plane: NDArray[np.float64]) -> None:
+        level = float(plane.mean())
+        plane -= level
+        self.level += level
+        self.total += plane
+        self.square += plane**2
+        self.rows.append(plane.mean(axis=1))
+
+
+def _of_plane(plane: _Plane, count: int) -> list[float]:
+    mean = plane.total / count
+    temporal = float(((plane.square - plane.total * mean) / (count - 1)).mean()) / count
+    bands = float(np.var(plane.rows, axis=0, ddof=1).mean()) / count
     height, width = mean.shape
     of_rows, of_columns = float(mean.mean(axis=1).var(ddof=1)), float(mean.mean(axis=0).var(ddof=1))
     measured = float(mean.var(ddof=1))
     of_pixels = measured - of_rows - of_columns
     gradual = float(ndimage.uniform_filter(mean, 41, mode="nearest").var())
-    error = np.sqrt(2 / mean.size) * measured
+    # Bands of a lamp average out by chance alone: what is left of them may be as large as its expectation.
+    error = np.hypot(np.sqrt(2 / mean.size) * measured, max(bands - temporal / width, 0.0))
     # A mean over a row holds 1/width of what pixels scatter, which is no matter of rows.
     pixel = of_pixels / ((1 - 1 / width) * (1 - 1 / height)) - temporal
     row, column = of_rows - (pixel + temporal) / width, of_columns - (pixel + temporal) / height
-    return [float(mean.mean()), measured - temporal, row, column, pixel, gradual, float(error)]
+    return [plane.level / count, measured - temporal, row, column, pixel, gradual, float(error)]
 
 
 def _averaged(planes: Sequence[Sequence[float]], count: int) -> SpatialVariance:
