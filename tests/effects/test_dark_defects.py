@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tacos_framework.values import ImageGeometry
+from tacos_plugins.effects.black_level import BlackLevel
 from tacos_plugins.effects.dark_current import DarkCurrent
 from tacos_plugins.effects.darks import isolated, steady_darks
 from tacos_plugins.effects.defect_lines import DefectLines
@@ -176,6 +177,32 @@ def test_a_dark_that_rises_with_time_suggests_its_rate():
     )
     guesses = DarkCurrent.guesses_from([as_dark(long, exposure_s=5.0), as_dark(short, exposure_s=0.0)])
     assert next(iter(guesses))["rate_dn_s"] == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_pattern_that_grows_with_time_suggests_how_uneven_the_rates_are():
+    noise = np.random.default_rng(4)
+    rates_dn_s = noise.gamma(4.0, 0.5, (1, 60, 80, 1))  # mean 2, spread over mean 1/2
+    short, long = (
+        np.rint(noise.normal(50 + rates_dn_s * time_s, 0.8, (4, 60, 80, 1))).astype(np.float32)
+        for time_s in (0.5, 4.0)
+    )
+    darks = [as_dark(long, exposure_s=4.0), as_dark(short, exposure_s=0.5)]
+    guess = next(iter(DarkCurrent.guesses_from(darks)))
+    assert guess["rate_dn_s"] == pytest.approx(2.0, rel=0.1)
+    assert guess["nonuniformity"] == pytest.approx(0.5, rel=0.1)
+
+
+def test_the_pedestal_is_the_dark_without_its_current():
+    noise = np.random.default_rng(5)
+    short, long = (noise.normal(50 + 8 * time_s, 0.5, (2, 60, 80, 1)) for time_s in (0.5, 2.0))
+    darks = [as_dark(frames.astype(np.float32), exposure_s=s) for frames, s in ((long, 2.0), (short, 0.5))]
+    (guess,) = BlackLevel.guesses_from(darks)
+    (found,) = BlackLevel.estimate_from(darks)
+    assert guess["offset_dn"] == pytest.approx(50.0, abs=0.05)
+    assert found.value == pytest.approx(50.0, abs=4 * found.standard_error)
+    assert found.standard_error < 0.02
+    (alone,) = BlackLevel.guesses_from(darks[1:])
+    assert alone["offset_dn"] == pytest.approx(54, abs=0.05)
 
 
 def test_noise_that_is_cut_off_at_0_is_no_bright_pixel():

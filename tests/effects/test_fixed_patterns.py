@@ -95,6 +95,19 @@ def test_dark_signal_grows_with_the_exposure_time():
         np.testing.assert_allclose(run(effect, dark(), exposure_s=exposure_s), BLACK_DN + 20 * exposure_s)
 
 
+def test_rates_of_dark_current_are_lognormal_about_their_mean():
+    effect = make(DarkCurrent, rate_dn_s=20.0, nonuniformity=0.8)
+    short, long = (
+        run(effect, dark(height=300, width=400, channels=1, frames=1), exposure_s=s)[0] - BLACK_DN
+        for s in (0.5, 2.0)
+    )
+    np.testing.assert_allclose(long, 4 * short, rtol=1e-4)
+    assert long.mean() == pytest.approx(40.0, rel=0.02)
+    assert long.std() / long.mean() == pytest.approx(0.8, rel=0.03)
+    logarithm = np.log(long / np.median(long))
+    assert (logarithm**3).mean() / logarithm.std() ** 3 == pytest.approx(0.0, abs=0.05)
+
+
 def test_hot_pixels_have_the_share_and_the_mean_asked_for_and_stay_where_they_are():
     size = {"height": 300, "width": 400, "channels": 1, "frames": 1}
     few = run(make(DarkCurrent, hot_share=0.01, hot_rate_dn_s=50.0), dark(**size), exposure_s=1.0) - BLACK_DN

@@ -135,6 +135,9 @@ CASES: dict[tuple[str, str], Case] = {
     ),
     ("prnu", "sigma"): Case(0.05, spatial_variance, frames=20),
     ("dark-current", "rate_dn_s"): Case(40_000 * K, level, electrons=500.0),
+    ("dark-current", "nonuniformity"): Case(
+        0.6, level_and_spatial_variance, {"rate_e_s": 15_000.0}, electrons=30.0, frames=4, size=(480, 480)
+    ),
     ("dark-current", "hot_rate_dn_s"): Case(
         15_000 * K, level_and_spatial_variance, {"hot_share": 0.05}, electrons=30.0, frames=2, size=(960, 960)
     ),
@@ -161,7 +164,7 @@ def at_photosites(name: tuple[str, str], value: float, setup: Setup) -> float:
             return value * time * CAPTURED.pixel_um / setup.pixel_um
         case ("saturation", "level_dn"):
             return here.black_level_dn + (value - there.black_level_dn) * gain
-        case ("sharpening" | "flicker" | "prnu" | "crosstalk", _):
+        case ("sharpening" | "flicker" | "prnu" | "crosstalk", _) | (_, "nonuniformity"):
             return value
         case _ if name in WHOLE_FILE:
             return value * (here.white_level_dn + 1) / (there.white_level_dn + 1)

@@ -20,6 +20,7 @@ from tacos_gap.photographs.facts import OF_NAME
 from tacos_gap.photographs.given import Given, Guess
 from tacos_gap.photographs.names import of_several_cameras
 from tacos_gap.photographs.picture import Picture
+from tacos_plugins.effects.darks import pedestal_dn
 
 USUAL_PIXEL_UM = 3.0
 
@@ -165,11 +166,19 @@ def _usual(values: Any, *, zero: bool = False) -> Any:
 
 
 def _dark_level(pictures: Sequence[Picture]) -> float | None:
+    """Level of the darks at no exposure [DN]; of the gain of the shortest, as the pedestal may follow it."""
     darks = [picture for picture in pictures if picture.shown.kind == "dark"]
     if not darks:
         return None
-    shortest = min(darks, key=lambda picture: picture.facts.exposure_ms or math.inf)
-    return float(round(shortest.middle_dn, 2))
+    darks.sort(key=lambda dark: (dark.facts.exposure_ms or math.inf, dark.middle_dn))
+    first = darks[0]
+    last = [dark for dark in darks if dark.facts.exposure_ms and _gain(dark) == _gain(first)][-1:] or [first]
+    points = [((each.facts.exposure_ms or 0.0) / 1e3, each.middle_dn) for each in (first, *last)]
+    return round(pedestal_dn(*points), 2)
+
+
+def _gain(picture: Picture) -> tuple[float | None, float | None]:
+    return picture.facts.iso, picture.facts.gain_db
 
 
 def _guessed_filters(pictures: Sequence[Picture], entry: dict[str, Any]) -> Iterator[Guess]:

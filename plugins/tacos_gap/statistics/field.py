@@ -23,7 +23,7 @@ def field_statistics(sample: Sample) -> Iterator[StatisticBlock]:
     grid = tiles(capture)
     if len(grid.at) > 3 and not (capture.own_edges or capture.own_light):
         dark = capture.kind == "dark"
-        levels, luck = tile_means(capture, sample.residual), _luck_of_lines(sample)
+        levels, luck = tile_means(capture, sample.residual), _luck(sample)
         for channel, name in enumerate(sample.channels):
             signal = expected_in(grid, capture, channel)
             scale = np.ones_like(signal) if dark else np.maximum(signal, 2.0)
@@ -49,19 +49,23 @@ def field_statistics(sample: Sample) -> Iterator[StatisticBlock]:
             yield StatisticBlock("noise_over_field", "isp", value - value.mean(), circles.at, 0.02)
 
 
-def _luck_of_lines(sample: Sample) -> NDArray[np.float64]:
-    """(C,) what lines with offsets of their own put into a tile by chance: where they lie says nothing [DN].
+def _luck(sample: Sample) -> NDArray[np.float64]:
+    """(C,) what offsets of pixels and lines of their own put into a tile by chance [DN].
 
-    Their variance is the covariance of halves of the frames, of differences between neighbouring lines.
+    Where they lie says nothing, as another specimen of the sensor has them elsewhere. Their variance is the
+    covariance of halves of the frames, of differences between neighbours.
     """
-    luck = np.zeros(len(sample.channels))
+    variance = np.zeros(len(sample.channels))
     if not sample.repeats:
-        return luck
+        return variance
     halves = [only_in(sample.valid, half) for half in sample.halves]
     for axis, tiles_along in ((0, TILE_COLUMNS), (1, TILE_ROWS)):
         one, two = (np.diff(line_means(half, axis), axis=0) for half in halves)
-        luck += np.maximum((one * two).mean(axis=0) / 2, 0.0) * tiles_along / (len(one) + 1)
-    return np.sqrt(luck)
+        variance += np.maximum((one * two).mean(axis=0) / 2, 0.0) * tiles_along / (len(one) + 1)
+    one, two = (np.diff(np.diff(half, axis=0), axis=1) for half in halves)  # lines leave nothing
+    pixels = np.einsum("hwc,hwc->c", one, two) / (4 * np.count_nonzero(sample.valid))
+    variance += np.maximum(pixels, 0.0) * TILE_COLUMNS * TILE_ROWS / np.count_nonzero(sample.valid)
+    return np.sqrt(variance)
 
 
 def _expected_variance(sample: Sample) -> NDArray[np.float32]:

@@ -21,6 +21,7 @@ from tacos_framework import (
     setting,
 )
 from tacos_plugins.effects import closed_forms, observations
+from tacos_plugins.effects.darks import pedestal_dn
 from tacos_plugins.effects.samples import Moments, Samples
 from tacos_plugins.effects.shown_by import DARK
 
@@ -68,17 +69,19 @@ class BlackLevel:
 
     @classmethod
     def estimate_from(cls, captures: Captures) -> Iterator[Estimate]:
-        """The height of the shortest dark above the believed pedestal."""
+        """The height of the dark at no exposure above the believed pedestal."""
         if off := closed_forms.pedestal_off_dn(captures):
             yield Estimate("offset_dn", *off, negligible=0.06)
 
     @classmethod
     def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
-        """The height of the darks of the shortest time above the believed pedestal."""
-        darks = of_kind(captures, "dark")
-        if darks:  # dark current adds least to it
-            shortest = min(darks, key=lambda each: each.context.exposure_s)
-            yield {"offset_dn": float(shortest.real_dn.mean()) - shortest.context.black_level_dn}
+        """The height of the dark at no exposure above the believed pedestal."""
+        off = [
+            (dark.context.exposure_s, float(dark.real_dn.mean()) - dark.context.black_level_dn)
+            for dark in of_kind(captures, "dark")
+        ]
+        if off:
+            yield {"offset_dn": pedestal_dn(min(off), max(off))}
 
     def on_array(
         self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator

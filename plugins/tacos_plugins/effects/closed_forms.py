@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import SURE, Captures, ObservedCapture, of_kind
+from tacos_plugins.effects.darks import pedestal_dn
 
 PARTS = (4, 6)
 """Rows and columns of parts that a picture is cut into."""
@@ -71,10 +72,18 @@ def whole_walls(captures: Captures, frames: int = 1) -> list[ObservedCapture]:
 
 
 def pedestal_off_dn(captures: Captures) -> Measured | None:
-    """Height of the darks of the shortest time above the believed pedestal [DN]."""
-    for dark in whole_darks(captures)[:1]:
-        return mean_of([float(part.mean()) for part in _parts(dark.real_dn - dark.context.black_level_dn)])
-    return None
+    """Height of the dark at no exposure above the believed pedestal [DN]."""
+    darks = whole_darks(captures)
+    if not darks:
+        return None
+    first, last = map(_levels_of_parts, (darks[0], darks[-1]))
+    return mean_of([pedestal_dn(*part) for part in zip(first, last, strict=True)])
+
+
+def _levels_of_parts(dark: ObservedCapture) -> list[tuple[float, float]]:
+    """Exposure time [s], and height of each part above the believed pedestal [DN]."""
+    off = dark.real_dn - dark.context.black_level_dn
+    return [(dark.context.exposure_s, float(part.mean())) for part in _parts(off)]
 
 
 def line_variance_dn2(captures: Captures, axis: int) -> Measured | None:

@@ -39,6 +39,24 @@ def isolated(bright: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return apart
 
 
+_APART = 2.0
+"""Longest over shortest exposure time from which on two darks show how the dark grows."""
+
+
+def pedestal_dn(shortest: tuple[float, float], longest: tuple[float, float]) -> float:
+    """Level of the dark at no exposure, by a line through two darks, (exposure time [s], level [DN]) each.
+
+    That of the shorter one where the times are too near each other, or the dark does not grow.
+
+    >>> round(pedestal_dn((0.02, 100.4), (0.2, 104.0)), 6)
+    100.0
+    """
+    (first_s, first_dn), (last_s, last_dn) = shortest, longest
+    if last_s < _APART * first_s or last_s == first_s or last_dn < first_dn:
+        return first_dn
+    return first_dn - (last_dn - first_dn) * first_s / (last_s - first_s)
+
+
 @dataclass(frozen=True, eq=False)
 class SteadyDark:
     """The part of a dark above its middle that all frames share."""

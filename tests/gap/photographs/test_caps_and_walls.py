@@ -45,6 +45,14 @@ def test_a_cap_is_told_from_a_wall_whatever_its_pedestal(tmp_path, pedestal_dn, 
     assert not [guess for guess in found.guesses if guess.key == "kinds"]
 
 
+def test_the_black_level_is_that_of_darks_without_their_current(tmp_path):
+    for time_ms in (20, 400):
+        save(tmp_path / "in", f"cap_{time_ms}ms", np.full(SHAPE, 30 + 0.05 * time_ms), time_ms)
+    save(tmp_path / "in", "wall_20ms", 30 + 150 * FALL_OFF, 9)
+    found = import_photographs([tmp_path / "in"], tmp_path / "out")
+    assert found.camera.entry["black_level_dn"] == pytest.approx(30.0, abs=0.1)
+
+
 def test_dim_walls_of_a_series_are_walls(tmp_path):
     for time_ms in (1, 2, 4, 8, 16):
         save(tmp_path / "in", f"a_{time_ms}ms", 4 + 12 * time_ms * FALL_OFF, time_ms)

@@ -239,6 +239,18 @@ def test_falling_light_shows_in_the_level_of_tiles_but_not_in_noise_over_the_fie
     assert np.abs(found["noise_over_field"].values).max() < 0.03
 
 
+def test_what_uneven_pixels_put_into_tiles_by_chance_is_no_field():
+    """Of many sensors, a field of the dark parts from 0 by no more than its margin says."""
+    apart = []
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        uneven = rng.lognormal(0, 0.7, (1, HEIGHT, WIDTH, 1)) * 6
+        frames = BLACK_DN + uneven + rng.normal(0, 1, (4, HEIGHT, WIDTH, 1))
+        found = blocks(capture("dark", "dark", BLACK_DN, 4), frames.astype(np.float32))["dark_field"]
+        apart.append(found.values / found.margin)
+    assert 0.5 < np.std(apart) < 1.2
+
+
 def test_along_an_edge_nothing_is_displaced():
     """Of an edge only the way across it is seen: flow that runs along it by chance is no displacement."""
     rows, columns = np.mgrid[:HEIGHT, :WIDTH]
