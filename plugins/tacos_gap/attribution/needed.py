@@ -11,9 +11,7 @@ from tacos_gap.inference.fit import Fitted
 from tacos_gap.inference.intervals import half_widths
 from tacos_gap.inference.jacobian import columns_of
 from tacos_gap.inference.problem import Problem, robust, without
-
-PLAINLY = 10.0
-"""Times what an effect must gain that it gains to first order, from which on no fit without it is tried."""
+from tacos_gap.inference.pruning import PLAINLY
 
 SMALL = 0.05
 """Share of the gap below which an effect must part from neutral to be named."""

@@ -18,11 +18,16 @@ WOULD_MOVE = 0.5
 REFITTED = 2
 """How many candidates for going are tried, the least missed first."""
 
+PLAINLY = 10.0
+"""Times what an effect or a parameter must be worth that it is worth to first order, from which on no fit
+without it is tried."""
+
 
 def pruned(problem: Problem, fitted: Fitted, least: float) -> Fitted:
     """A fit without the parameters that are worth less than `least` each on held-out conditions [nat]."""
     while True:
-        begun = [fit(problem, hypothesis, near=fitted) for hypothesis in _with_one_less(fitted)[:REFITTED]]
+        less = _with_one_less(problem, fitted, least)
+        begun = [fit(problem, hypothesis, near=fitted) for hypothesis in less]
         fewer = [settled(problem, f) for f in begun if f is not None]
         kept = [f for f in fewer if f.score > fitted.score - least]
         if not kept:
@@ -67,8 +72,11 @@ def _carries_more(term: HypothesisTerm, name: str) -> bool:
     return not term.free.keys().isdisjoint(series[series.index(name) + 1 :] if series else ())
 
 
-def _with_one_less(fitted: Fitted) -> list[Hypothesis]:
-    """The hypothesis with one parameter at neutral for good, the least missed first (to first order)."""
+def _with_one_less(problem: Problem, fitted: Fitted, least: float) -> list[Hypothesis]:
+    """The hypothesis with one parameter at neutral for good, of those that are not plainly needed.
+
+    Those that to first order are missed least. `least`: what a parameter must be worth [nat].
+    """
     found: list[tuple[float, Hypothesis]] = []
     column = 0
     straight = robust(fitted.z)
@@ -86,5 +94,7 @@ def _with_one_less(fitted: Fitted) -> list[Hypothesis]:
             free = {n: step for n, step in term.free.items() if n != name}
             fewer = list(fitted.hypothesis)
             fewer[position] = replace(term, values=values, free=free)
-            found.append((float(np.sum(moved**2)), tuple(fewer)))
-    return [hypothesis for _, hypothesis in sorted(found, key=lambda pair: pair[0])]
+            worth = 0.5 * problem.weight * float(np.sum(moved**2) - np.sum(straight**2))
+            if worth < PLAINLY * least:
+                found.append((worth, tuple(fewer)))
+    return [hypothesis for _, hypothesis in sorted(found, key=lambda pair: pair[0])[:REFITTED]]
