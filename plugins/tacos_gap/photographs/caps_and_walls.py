@@ -45,10 +45,11 @@ def with_kinds_weighed(pictures: Sequence[Picture], given: Given) -> tuple[list[
     pictures = [_as_named(picture) for picture in pictures]
     found = dict(zip(pictures, pictures, strict=True))
     even = [p for p in pictures if p.shown.kind in ("dark", "flat") and p.name not in given.kinds]
-    structured = [p for p in pictures if p.shown.kind not in ("dark", "flat")]
+    darks = [picture for picture in even if picture.shown.kind == "dark"]
+    views = [(p, _fine(p)) for p in pictures if darks and p.shown.kind not in ("dark", "flat")]
     guesses: dict[tuple[str, str], list[str]] = {}
     for picture in even:
-        if (view := _view_in_the_dark(picture, structured)) is not None:
+        if (view := _view_in_the_dark(picture, views)) is not None:
             found[picture] = _as(picture, view.shown.kind)
             why = f"since they show faintly what {view.name} shows; else of the cap"
             guesses.setdefault((f"pictures of that view, {why}", view.shown.kind), []).append(picture.name)
@@ -137,19 +138,26 @@ def _by_time(picture: Picture, even: Sequence[Picture]) -> Iterator[Evidence]:
         yield Evidence(-_GROWING, "it gets brighter with the exposure time")
 
 
-def _view_in_the_dark(picture: Picture, structured: Sequence[Picture]) -> Picture | None:
-    """The brighter picture whose view a dark one shows faintly; None where it shows nothing."""
+def _view_in_the_dark(
+    picture: Picture, views: Sequence[tuple[Picture, NDArray[np.float64]]]
+) -> Picture | None:
+    """The brighter picture whose view a dark one shows faintly; None where it shows nothing.
+
+    `views`: pictures of views, each with its `_fine` structure.
+    """
     if picture.shown.kind != "dark":
         return None
-    own = _fine(picture.shown.thumbnail)
+    own = _fine(picture)
     if own.std() == 0:
         return None
-    likeness = [(float(np.corrcoef(own, _fine(p.shown.thumbnail))[0, 1]), p) for p in structured]
+    likeness = [(float(np.corrcoef(own, fine)[0, 1]), view) for view, fine in views]
     best = max(likeness, key=lambda each: each[0], default=None)
     return best[1] if best is not None and best[0] > _SAME_VIEW else None
 
 
-def _fine(thumbnail: NDArray[np.float32]) -> NDArray[np.float64]:
+def _fine(picture: Picture) -> NDArray[np.float64]:
+    """(P,) what a thumbnail shows beside smooth light."""
+    thumbnail = picture.shown.thumbnail
     return (thumbnail - shading(thumbnail, has_defects=False)).ravel().astype(np.float64)
 
 

@@ -7,10 +7,15 @@ from itertools import product
 
 import cv2
 import numpy as np
+from numpy.polynomial.polynomial import polygrid2d
 from numpy.typing import NDArray
 
 TILES = 24
 """Tiles along the longer side that the shading is fitted to."""
+
+_DEGREE = 4
+_POWERS = [(i, j) for i in range(_DEGREE + 1) for j in range(_DEGREE + 1 - i)]
+"""Powers of x and y in a surface of that degree."""
 
 _EVEN = 0.005
 """Deviation of an even surface from smooth light that is negligible, over its level: scenes have more."""
@@ -39,8 +44,10 @@ def shading(plane: NDArray[np.float32], *, has_defects: bool = True) -> NDArray[
     `plane`: (H, W) the picture [DN]. `has_defects`: whether single pixels may stand out, which then do not
     count; noise alone is averaged best as it is.
     """
-    smooth = smooth_terms(plane.shape) @ _shading_of(plane, has_defects)
-    return np.asarray(smooth.reshape(plane.shape), np.float32)
+    coefficients = np.zeros((_DEGREE + 1, _DEGREE + 1))
+    coefficients[tuple(zip(*_POWERS, strict=True))] = _shading_of(plane, has_defects)
+    height, width = map(_centres, plane.shape)
+    return polygrid2d(width, height, coefficients).T.astype(np.float32)
 
 
 def smooth_light(light: NDArray[np.float64], *, mosaic: bool) -> NDArray[np.float64] | None:
@@ -130,4 +137,4 @@ def _centres(count: int) -> NDArray[np.float64]:
 
 def _terms(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
     """(K, 15) powers of x and y up to the fourth degree in all."""
-    return np.column_stack([x**i * y**j for i in range(5) for j in range(5 - i)])
+    return np.column_stack([x**i * y**j for i, j in _POWERS])
