@@ -21,6 +21,7 @@ _LARGEST_DN = 1e9
 """Beyond any file or expectation; what is larger overflows somewhere, not here."""
 
 _MOST_DN = 65535
+_ONE_VALUE = 0.99
 
 _RAW_BYTES = 2
 """Bytes of a sample of a mosaic, as LibRaw unpacks it."""
@@ -51,6 +52,8 @@ PICTURE_SUFFIXES = (
 _LOSSY = {b"\xff\xd8\xff": "JPEG", b"RIFF": "WebP"}
 """First bytes of files whose coding changes noise, and the names of the codings."""
 
+LOSSY_SUFFIXES = frozenset({".jpg", ".jpeg", ".webp"})
+
 _LOSSY_REMEDY = "Have the camera save raw frames: PNG, TIFF, npy, PGM or its RAW format."
 
 
@@ -63,6 +66,12 @@ def usual_bit_depth(largest_dn: int) -> int:
     12
     """
     return next((bits for bits in (8, 10, 12, 14) if largest_dn < 1 << bits), 16)
+
+
+def has_one_value(image: NDArray[Any]) -> bool:
+    """True if all but 1 % of the samples are equal, as in frames without light or clipped throughout: two of
+    them may be equal without being copies."""
+    return bool(np.mean(image == np.median(image)) > _ONE_VALUE)
 
 
 def read_frame(path: Path, where: str, within: Path | None = None) -> NDArray[Any]:

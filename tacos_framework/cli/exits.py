@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator
@@ -44,8 +45,8 @@ def _listed(faults: Iterable[Fault]) -> Iterator[str]:
     """Faults as text: of many of one kind the first ones, and of the others where they are."""
     kinds: dict[tuple[str, str, str], list[Fault]] = {}
     for fault in faults:
-        name = PurePath(fault.where).name
-        kinds.setdefault((fault.what.replace(name, "..."), fault.expected, fault.remedy), []).append(fault)
+        what = re.sub(r"\d+", "", fault.what.replace(PurePath(fault.where).name, ""))
+        kinds.setdefault((what, fault.expected, fault.remedy), []).append(fault)
     for alike in kinds.values():
         shown = alike if len(alike) <= _MOST_ALIKE else alike[:_FIRST_ALIKE]
         yield from map(str, shown)

@@ -18,3 +18,11 @@ def test_of_many_faults_of_one_kind_the_first_are_shown_and_all_named(capsys):
     assert told.count("Save raw frames.") == 3
     assert "17 more like it: 3.jpg, 4.jpg" in told
     assert "19.jpg\n\nin/t.csv:3: kind is 'x'" in told
+
+
+def test_faults_that_differ_in_numbers_are_of_one_kind(capsys):
+    def fail() -> int:
+        raise UserError(Fault(f"t.csv:{k}", f"names 'img_{k}.png' twice", "each once") for k in range(2, 40))
+
+    assert exit_status(fail) == WRONG_INPUT
+    assert capsys.readouterr().err.count("expected: each once") == 3

@@ -184,8 +184,9 @@ def in_words(found: InUse) -> str:
     lines = [_of_response(found)]
     lines += [_of_blur(blur) for blur in found.blurs]
     lines += [_of_noise(found), _of_vignetting(found.vignetting), _of_steadiness(found.steadiness)]
-    named = [name for causes in found.causes_at_rest.values() for name in causes]
-    lines.append(f"At rest: {', '.join(named) or 'nothing'} named.")
+    unsteady = [name for name, causes in found.causes_at_rest.items() if causes]
+    at = f"unsteady detail named at {', '.join(unsteady)} ms" if unsteady else "nothing named"
+    lines.append(f"At rest: {at}.")
     lines += [f"Not separable: {' and '.join(each)}." for each in found.not_separated]
     return "\n".join([*lines, found.next_picture]).strip()
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_files.camera_images import read_frame, usual_bit_depth
+from tacos_files.camera_images import has_one_value, read_frame, usual_bit_depth
 from tacos_framework import Fault, UserError
 from tacos_plugins.emva_calibration.frame_table import TABLE, FrameGroup
 from tacos_plugins.emva_calibration.moments import Frame, Moments, moments_of
@@ -24,7 +24,6 @@ LEAST_LEVELS = 3
 
 _NARROWEST_PX = 16
 _FAR_ROUGHER = 8.0
-_ONE_VALUE = 0.99
 _MOST_DRIFT = 0.15
 
 
@@ -248,7 +247,7 @@ class _FrameReader:
         """Refuse a frame that repeats another one; those of one value, as saturated ones, may."""
         digest = blake2b(image.tobytes(), digest_size=16).digest()
         first = self._seen.setdefault(digest, path)
-        if first != path and np.mean(image == np.median(image)) < _ONE_VALUE:
+        if first != path and not has_one_value(image):
             raise UserError(
                 Fault(
                     str(path),

@@ -17,6 +17,10 @@ _LARGEST_MISMATCH = 0.15
 """Exposures whose light per time differs by more do not belong to one scene and one response [1]."""
 _OVEREXPOSED = 0.5
 """Share of clipped samples from which a frame shows nothing that can be replayed [1]."""
+_MAINS_WAVES_HZ = (100.0, 120.0)
+_PARTS, _FEWEST_VIEWS = 12, 4
+_ALIKE, _APART = 0.6, 0.3
+"""Correlation from which views are alike, and by how much that of the next frame must be less [1]."""
 
 
 def faults_of_stamps(table: Path, files: Sequence[str], stamps_ns: Sequence[int]) -> list[Fault]:
@@ -98,17 +102,57 @@ def faults_of_brightness(
         ratios = rate[known] / usual
         if not np.isfinite(ratios).any():
             continue
-        ratio = float(np.nanmedian(ratios))
+        ratio, exposure_ms = float(np.nanmedian(ratios)), fit[name].exposure_ms
         if abs(ratio - 1) > _LARGEST_MISMATCH:
             yield (
                 Fault(
                     f"{path}: {name} ms",
                     f"is {ratio:.2f} times as bright for its time as the other exposures",
                     f"1 within {_LARGEST_MISMATCH:.0%}: exposures that match the brightness",
-                    "Correct the exposure in the names of its files, or take them out.",
+                    "Correct the exposure in the names of its files, or take them out."
+                    + by_lamp(exposure_ms, abs(ratio - 1)),
                 ),
-                fit[name].exposure_ms,
+                exposure_ms,
             )
+
+
+def by_lamp(exposure_ms: float, share: float) -> str:
+    """The remedy where a lamp on mains may change the light of an exposure by a share; else nothing.
+
+    Its brightness is a wave of 100 or 120 Hz, of which an exposure takes the mean: at most the sinc of both.
+    """
+    most = float(np.max(np.abs(np.sinc(np.array(_MAINS_WAVES_HZ) * exposure_ms * 1e-3))))
+    if share > most:
+        return ""
+    return (
+        " If they are right, a lamp on mains flickers: so short an exposure catches a part of its wave. "
+        "Record by daylight or a lamp on direct current, or at multiples of 10 ms (50 Hz) or 8.33 ms (60 Hz)."
+    )
+
+
+def alternating(path: Path, frames: ExposedFrames) -> Fault | None:
+    """Two cameras whose frames alternate under one name: each is like the next but one, not like the next."""
+    views = np.stack([_small(codes) for codes in frames.codes_dn])
+    if len(views) < _FEWEST_VIEWS:
+        return None
+    next_one, next_but_one = (float(np.median(np.sum(views[n:] * views[:-n], axis=1))) for n in (1, 2))
+    if next_but_one < _ALIKE or next_one > next_but_one - _APART:
+        return None
+    return Fault(
+        f"{path}: {frames.name} ms",
+        f"shows two views in turn: frames correlate by {next_but_one:.2f} with the next but one, and by "
+        f"{next_one:.2f} with the next",
+        "frames of one camera",
+        "Two cameras are under one name: keep the frames of one.",
+    )
+
+
+def _small(codes_dn: NDArray[np.uint16]) -> NDArray[np.float64]:
+    """Means of 12 x 12 parts of a frame, of mean 0 and length 1."""
+    parts = [np.array_split(rows, _PARTS, axis=1) for rows in np.array_split(codes_dn, _PARTS)]
+    means = np.array([float(part.mean()) for row in parts for part in row if part.size])
+    means -= means.mean()
+    return np.asarray(means / max(float(np.linalg.norm(means)), 1e-9))
 
 
 def together(faults: Sequence[Fault]) -> list[Fault]:

@@ -9,10 +9,17 @@ from typing import Literal
 
 import numpy as np
 
-from tacos_files.camera_images import PICTURE_SUFFIXES, read_frame, usual_bit_depth
+from tacos_files.camera_images import PICTURE_SUFFIXES, has_one_value, read_frame, usual_bit_depth
 from tacos_framework import Fault, UserError
 from tacos_framework.files import read_text
-from tacos_worlds.recorded.consistency import faults_of_brightness, faults_of_stamps, overexposed, together
+from tacos_worlds.recorded.consistency import (
+    alternating,
+    by_lamp,
+    faults_of_brightness,
+    faults_of_stamps,
+    overexposed,
+    together,
+)
 from tacos_worlds.recorded.recording import ExposedFrames, Recording, green_on_diagonal
 from tacos_worlds.recorded.response import Response, estimated_response, linear_response, tabled_response
 from tacos_worlds.recorded.saturation import clipping_codes
@@ -21,6 +28,8 @@ from tacos_worlds.recorded.times import TIMES, named_ms, read_times
 ResponseFrom = Literal["recorded", "linear", "estimated"]
 
 RESPONSE = "response.txt"
+_STRONG_FLICKER = 0.3
+"""Share of the light by which a lamp must waver to turn the order of exposures of a factor of two [1]."""
 
 
 @dataclass(frozen=True)
@@ -84,12 +93,13 @@ def read_recording(
                 )
                 continue
             digest = hashlib.sha256(image.tobytes()).hexdigest()
-            if digest in seen:
+            if digest in seen and not has_one_value(image):
                 here.append(
                     Fault(
                         str(path / entry.file),
                         f"holds the very samples of {seen[digest]}",
                         "a frame of its own: it is doubled",
+                        "Take one of the two out.",
                     )
                 )
             seen.setdefault(digest, entry.file)
@@ -110,18 +120,23 @@ def read_recording(
             found[f"{exposure_ms:g}"] = ExposedFrames(exposure_ms, stamp_s, np.stack(images))
     found, bits = _at_depth(path, found, bit_depth, faults)
     clipping_dn = np.zeros((2, 2), np.int64)
+    fit: dict[str, ExposedFrames] = {}  # those whose brightness tells of the response, at whatever times
     if found:
         clipping_dn = clipping_codes([*found.values()][-1].codes_dn, (1 << bits) - 1)
-        for each in found.values():
+        for name, each in found.items():
             if over := overexposed(path, each, clipping_dn):
                 faults.append(over)
                 bad.add(each.exposure_ms)
-    fit = {name: each for name, each in found.items() if each.exposure_ms not in bad}
+                continue
+            fit[name] = each
+            if of_two := alternating(path, each):
+                faults.append(of_two)
+                bad.add(each.exposure_ms)
     found_response: Response | None
     if response == "linear":
         found_response, origin = linear_response((1 << bits) - 1), "The samples are taken to be linear."
     else:
-        found_response, origin = _response(path, fit, bits, faults, told=response == "recorded")
+        found_response, origin = _response(path, fit, bits, faults, bad, told=response == "recorded")
     if found_response is not None:
         for fault, exposure_ms in faults_of_brightness(path, fit, found_response, bits):
             faults.append(fault)
@@ -212,7 +227,13 @@ def _at_depth(
 
 
 def _response(
-    path: Path, fit: dict[str, ExposedFrames], bits: int, faults: list[Fault], *, told: bool
+    path: Path,
+    fit: dict[str, ExposedFrames],
+    bits: int,
+    faults: list[Fault],
+    bad: set[float],
+    *,
+    told: bool,
 ) -> tuple[Response | None, str]:
     file, white_dn = path / RESPONSE, (1 << bits) - 1
     if told and file.is_file():
@@ -244,13 +265,15 @@ def _response(
     names = list(fit)
     fell = [i for i in range(1, len(names)) if brightness[i] < brightness[i - 1]]
     for i in fell:
+        bad |= {fit[names[j]].exposure_ms for j in (i - 1, i)}
         faults.append(
             Fault(
                 f"{path}: {names[i]} ms",
                 f"is darker (median code {brightness[i]:.0f}) than {names[i - 1]} ms "
                 f"({brightness[i - 1]:.0f})",
                 "exposures that match the brightness",
-                "Correct the exposures in the names of the files.",
+                "Correct the exposures in the names of the files."
+                + by_lamp(fit[names[i]].exposure_ms, _STRONG_FLICKER),
             )
         )
     if fell:

@@ -53,7 +53,8 @@ def in_folder(folder: Path) -> FoundRecording:
 
 def _frame(folder: Path, name: str, stamp_ns: int, exposure_ms: float | None, where: str) -> FoundFrame:
     if not (folder / name).is_file():
-        raise UserError(Fault(where, f"names {name}, which is not there", "a frame in the folder"))
+        what, remedy = f"names {name}, which is not there", "Add the frame, or take the line out."
+        raise UserError(Fault(where, what, "a frame in the folder", remedy))
     return FoundFrame(
         name, stamp_ns, exposure_ms, partial(read_image, folder / name, str(folder / name), folder)
     )

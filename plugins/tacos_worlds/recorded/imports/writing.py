@@ -7,6 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from tacos_files.camera_images import LOSSY_SUFFIXES
 from tacos_framework import UserError
 from tacos_framework.files import made_folder
 from tacos_worlds.recorded.imports.found import FoundRecording
@@ -46,13 +47,20 @@ def write_recording(found: FoundRecording, out: Path, exposure_ms: float | None)
     said = [f"{len(found.frames)} frames ({found.layout}) in {out}."]
     if coloured:
         said.append(f"{coloured} frames have colours: their green is taken, whose noise neighbours share.")
+    lossy = sum(Path(frame.name).suffix.lower() in LOSSY_SUFFIXES for frame in found.frames)
+    if lossy:
+        said.append(
+            f"{lossy} frames are coded with loss (JPEG, WebP): noise and response found from them are also "
+            "those of the coding. Record raw frames for a diagnosis."
+        )
     if unknown:
         said.append(
             f"The exposure of {unknown} frames is unknown: state it by --exposure-ms, or in {out / TIMES}."
         )
         return said
     try:
-        read_recording(out, fewest=1, response="recorded" if found.response else "linear")
+        several = len({frame.exposure_ms for frame in found.frames}) > 1
+        read_recording(out, fewest=1, response="recorded" if found.response or several else "linear")
     except UserError as error:
         said += [
             f"{fault.where}: {fault.what} (expected {fault.expected}). {fault.remedy}"
