@@ -32,6 +32,9 @@ NEARLY_ALL = 1.5
 GRID_PX = 16
 """Parts begin and end with the blocks of codecs, and with whole cells of mosaics."""
 
+DETAIL_PX = 32
+"""Lines that a part with edges has at least: statistics of detail are taken in tiles of about as many."""
+
 SMALL_PX = 640
 """Width of the picture that stays of a frame that is kept in part [px]."""
 
@@ -119,7 +122,8 @@ def measured_part(capture: RealCapture, enough: int = ENOUGH_PIXELS) -> Part | N
     """The part of a capture that is measured; None where that is all of it.
 
     A band along the longer side, so that what depends on the radius is seen as far out as that: through the
-    middle, or where edges are of a capture that shows some. Of a chart all of its patches.
+    middle, or where edges are of a capture that shows some; then the band is wide enough for them and, for
+    that, may be short. Of a chart all of its patches.
     """
     height, width = capture.valid.shape
     frames = min(capture.frames, 2)  # two are kept, see `RealCapture.of_at_most`
@@ -127,7 +131,9 @@ def measured_part(capture: RealCapture, enough: int = ENOUGH_PIXELS) -> Part | N
         return None
     if capture.patches is not None:
         return _around(capture.patches[0], height, width)
-    return _band(_shown(capture), enough // frames, upright=height > width)
+    shown, upright = _shown(capture), height > width
+    band = _band(shown, enough // frames, upright=upright)
+    return _around_edges(shown, enough // frames, band, upright=upright) if shown.any() else band
 
 
 def part_of(capture: RealCapture, part: Part) -> RealCapture:
@@ -213,6 +219,21 @@ def _band(shown: NDArray[np.float32], enough: int, *, upright: bool) -> Part:
     start = _where_most_is_shown(shown.sum(axis=0 if upright else 1, dtype=np.float64), size)
     band = slice(start, min(start + size, across))
     return (slice(0, height), band) if upright else (band, slice(0, width))
+
+
+def _around_edges(shown: NDArray[np.float32], enough: int, band: Part, *, upright: bool) -> Part:
+    """A band of an (H, W) picture, or one of so few lines wider and shorter, where it shows most."""
+    lines = band[1] if upright else band[0]
+    if lines.stop - lines.start >= DETAIL_PX:
+        return band
+    height, width = shown.shape
+    along = height if upright else width
+    lines = _band(shown, DETAIL_PX * along, upright=upright)[1 if upright else 0]
+    inside = shown[:, lines] if upright else shown[lines]
+    length = min(max(enough // DETAIL_PX // GRID_PX * GRID_PX, GRID_PX), along)
+    start = _where_most_is_shown(inside.sum(axis=1 if upright else 0, dtype=np.float64), length)
+    piece = slice(start, start + length)
+    return (piece, lines) if upright else (lines, piece)
 
 
 def _where_most_is_shown(profile: NDArray[np.float64], size: int) -> int:

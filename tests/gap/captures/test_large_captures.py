@@ -13,6 +13,7 @@ from tacos_gap.answer.diagnosis import gather
 from tacos_gap.captures import CaptureFolder
 from tacos_gap.captures.capture import Noise, RealCapture
 from tacos_gap.captures.large import (
+    DETAIL_PX,
     ENOUGH_PIXELS,
     ENOUGH_SAMPLES,
     FEWEST_CAPTURES,
@@ -28,6 +29,7 @@ from tacos_gap.captures.large import (
     searched_over,
 )
 from tacos_gap.simulation.formation import simulate
+from tacos_gap.statistics import Sample, measure
 from tacos_plugins.effects.vignetting import Vignetting
 
 
@@ -81,6 +83,21 @@ def test_a_band_lies_where_a_picture_shows_edges():
     scene.expected_dn[0, 900:1000, 200:1400:8] = 30.0
     rows, _ = measured_part(scene)
     assert rows.start < 900 < 1000 < rows.stop
+
+
+@pytest.mark.parametrize(("height", "width"), [(1080, 1920), (1920, 1080)])
+def test_of_many_captures_with_edges_a_part_high_enough_for_detail_is_measured(height, width):
+    scene = capture(height, width, "scene")
+    for corner in range(690, 770, 14):  # squares of 7 px, in both directions
+        scene.expected_dn[0, corner : corner + 7, 690:770] -= 60.0
+        scene.expected_dn[0, 690:770, corner : corner + 7] += 40.0
+    part = measured_part(scene, LEAST_PIXELS // 2)
+    lines, along = sorted(each.stop - each.start for each in part)
+    assert lines == DETAIL_PX
+    assert lines * along <= LEAST_PIXELS // 2
+    assert all(each.start < 770 and each.stop > 690 for each in part)
+    sample = Sample(part_of(scene, part), scene.real_dn[:, *part], scene.expected_dn[:, *part])
+    assert {"detail", "displacement"} <= {block.statistic for block in measure(sample)}
 
 
 def test_of_a_chart_all_patches_are_measured():
