@@ -12,6 +12,7 @@ from pydantic import model_validator
 
 from tacos_framework import (
     Captures,
+    Estimate,
     ImageContext,
     ImageGeometry,
     LookAlike,
@@ -19,9 +20,11 @@ from tacos_framework import (
     ShownBy,
     Stage,
     lit,
+    of_kind,
     setting,
 )
 from tacos_plugins.effects import observations
+from tacos_plugins.effects.chart_greys import exponent_of
 from tacos_plugins.effects.pointwise import moments_behind
 from tacos_plugins.effects.samples import Moments, Samples
 from tacos_plugins.effects.shown_by import BRACKET
@@ -37,6 +40,9 @@ _LEVEL, _FULL = 1e-3, 0.98
 _MIDDLE_GREY, _CODED_GREY = 0.18, 0.3
 _BENT = 0.05
 """Departure of a guessed exponent from 1 below which captures suggest none."""
+
+_BENT_CHART = 0.25
+"""Departure from 1 that charts give linear cameras: a real one in the sun came to 0.88."""
 
 _FEWEST_KNOTS = 3
 _NEAREST = 15  # levels whose middle one is the code of a knot
@@ -102,6 +108,13 @@ class ToneCurve:
 
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @classmethod
+    def estimate_from(cls, captures: Captures) -> Iterator[Estimate]:
+        """The exponent of the greys of charts."""
+        found = [exponent for each in of_kind(captures, "chart") if (exponent := exponent_of(each))]
+        if found:
+            yield Estimate("gamma", *min(found, key=lambda each: each.standard_error), negligible=_BENT_CHART)
 
     @classmethod
     def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
