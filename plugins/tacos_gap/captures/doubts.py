@@ -20,6 +20,9 @@ CONTRADICTION = 1.5
 """Ratio of levels over that of exposure times, or the reverse, beyond which one of them is doubted."""
 
 _DIM_DN = 8.0
+_FEWEST_LIT = 20
+"""Samples that both pictures of a bracket must show for their ratio to count."""
+
 _PILE = 0.01
 """Share of pixels at the largest values that makes them the end of the codes in use."""
 
@@ -179,14 +182,12 @@ def _of_exposures(captures: Sequence[RealCapture]) -> Iterator[str]:
     for members in exposure_groups(captures).values():
         series = sorted(members, key=lambda capture: capture.context.exposure_s)
         for a, b in pairwise(series):
-            below, above = _signal(a), _signal(b)
             times = b.context.exposure_s / a.context.exposure_s
-            if below is None or above is None or times == 1:
+            if times == 1 or (as_bright := _times_as_bright(a, b)) is None:
                 continue
-            factor = above / below / times
-            if not 1 / CONTRADICTION < factor < CONTRADICTION:
+            if not 1 / CONTRADICTION < as_bright / times < CONTRADICTION:
                 yield (
-                    f"{b.id}: it is {above / below:.3g} times as bright as {a.id} at {times:.3g} times its "
+                    f"{b.id}: it is {as_bright:.3g} times as bright as {a.id} at {times:.3g} times its "
                     f"exposure; check the exposure times, and that exposure, gain and tone were "
                     f"not automatic."
                 )
@@ -197,8 +198,13 @@ def _middle(capture: RealCapture) -> float:
     return float(np.median(thinned(capture.real_dn)))
 
 
-def _signal(capture: RealCapture) -> float | None:
-    """Middle signal above the pedestal; None where it is too dim or saturated to compare [DN]."""
-    middle = _middle(capture)
-    signal = middle - capture.context.black_level_dn
-    return signal if signal > _DIM_DN and middle < 0.95 * capture.context.white_level_dn else None
+def _times_as_bright(a: RealCapture, b: RealCapture) -> float | None:
+    """Ratio of the signals of b to those of a; None where too few are neither dim nor saturated in both."""
+    if a.real_dn.shape[1:] != b.real_dn.shape[1:]:
+        return None
+    black, white = a.context.black_level_dn, a.context.white_level_dn
+    first, second = (thinned(each.real_dn.mean(axis=0)) - black for each in (a, b))
+    both = (np.minimum(first, second) > _DIM_DN) & (np.maximum(first, second) < 0.95 * white - black)
+    if np.count_nonzero(both) < _FEWEST_LIT:
+        return None
+    return float(np.median(second[both]) / np.median(first[both]))

@@ -126,6 +126,28 @@ def test_a_bracket_whose_levels_contradict_its_exposure_times(tmp_path):
     assert "at_20: it is" not in sentences
 
 
+def test_a_wrong_time_is_doubted_by_the_lit_part_of_a_dark_view(tmp_path):
+    """Of a lamp in a dark room the middle value is dark at every time."""
+    view = np.full((HEIGHT, WIDTH), 0.1)
+    view[: HEIGHT // 3, : WIDTH // 2] = 1.0
+    entries = [
+        {
+            "id": f"at_{ms}",
+            "kind": "bracket",
+            "real": save_frames(
+                tmp_path, f"{ms}", np.rint(ms_true * view * 1.2)[np.newaxis].astype(np.uint8)
+            ),
+            "simulated": 50,
+            "exposure_ms": ms,
+            "group": "lamp",
+        }
+        for ms, ms_true in [(25, 25), (50, 50), (200, 100), (250, 175)]
+    ]
+    sentences = said(describe(tmp_path, *entries))
+    assert "at_200: it is 2 times as bright as at_50 at 4 times its exposure" in sentences
+    assert "at_50: it is" not in sentences
+
+
 def test_a_sound_folder_raises_no_doubt(tmp_path):
     estimated = "`noise` is unknown, so it is estimated from the files and not compared."
     assert said(flat_folder(tmp_path)).endswith(f"flat: {estimated}")
