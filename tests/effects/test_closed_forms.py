@@ -84,6 +84,10 @@ def test_what_is_there_is_seen_within_its_error_and_else_it_is_not(cls, wrong, p
     assert not any(each.is_seen(0.0) for each in absent.values()), name
 
 
+def test_rows_that_jump_are_no_crosstalk():
+    assert not any(each.is_seen(0.0) for each in told(Crosstalk, Camera(6, rows=2.0)).values())
+
+
 @pytest.mark.parametrize("corners", [0.0, 0.5, 1.0])
 def test_noise_tells_whether_neighbours_at_corners_share(corners):
     found = told(Crosstalk, Camera(4, share=0.03, corners=corners))

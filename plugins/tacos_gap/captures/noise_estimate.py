@@ -24,7 +24,10 @@ _MEDIAN_TO_SPREAD = 1.4826
 """Standard deviation of normal values over their median absolute value."""
 
 _STILL = 4.0
-"""Spreads of the means of lines beyond which something moved there."""
+"""Spreads from the middle beyond which something moved."""
+
+_FEWEST_IN_LINE = 8
+"""Pixels of a row or column from which on their mean tells an offset of the line from their own noise."""
 
 _LAPLACIAN_GAIN = 36.0
 """Sum of squares of the kernel [[1, -2, 1], [-2, 4, -2], [1, -2, 1]] (Immerkaer 1996)."""
@@ -46,12 +49,14 @@ def estimate_noise(capture: RealCapture) -> Noise:
         expected_dn = None if expected_dn is None else thinned(expected_dn)
     level = real_dn.mean(axis=0)
     detail = real_dn[0] if expected_dn is None else real_dn[0] - expected_dn[0]
-    variance = real_dn.var(axis=0, ddof=1) if static else _high_pass_variance(detail, 2 if mosaic else 1)
     white = 0.95 * context.white_level_dn
     clipped = (level >= white) | (level <= 0) | ~valid[..., None]
     if expected_dn is not None:
         clipped |= expected_dn.mean(axis=0) >= white
-    if not static:
+    if static:
+        variance = _variance_of_pixels(real_dn, level, ~clipped)
+    else:
+        variance = _high_pass_variance(detail, 2 if mosaic else 1)
         clipped = _near(clipped, 2 if mosaic else 1)
         real_dn, valid = thinned(real_dn), thinned(valid[..., None])[..., 0]
         level, variance, clipped = (thinned(each) for each in (level, variance, clipped))
@@ -68,10 +73,6 @@ def estimate_noise(capture: RealCapture) -> Noise:
         if static and signal.size and are_whole(plane):
             level_dn = float(signal.mean()) + black_level_dn if not slope else 0.0
             intercept = max(before_rounding(intercept, level_dn).variance_dn2, _LEAST_DN2)
-        if static:
-            first, second = real_dn[:2, ..., channel].astype(np.float64)
-            shared = line_variance_dn2((first - second) / np.sqrt(2), inside)
-            intercept = max(intercept - shared, _LEAST_DN2)
         photon.append(slope)
         thermal.append(intercept)
     return Noise(tuple(photon), tuple(thermal), known=False)
@@ -91,26 +92,40 @@ def thinned(images: NDArray[Any]) -> NDArray[Any]:
     return images.reshape(*images.shape[:-3], 1, height * width, channels)[..., ::step, :]
 
 
-def line_variance_dn2(noise: NDArray[np.float64], inside: NDArray[np.bool_]) -> float:
-    """Variance of the offsets that pixels of a row or a column share in one frame, both together [DN^2].
+def without_lines(noise: NDArray[np.floating], inside: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """(H, W) the noise of pixels by themselves, scaled by the degrees of freedom that means of lines take.
 
-    That of their means, beyond what pixels by themselves give. Rows that jump, and a lamp that flickers, are
-    no noise of pixels, and are found as what they are. Lines that something moved through count for nothing.
+    Offsets that the pixels of a row or a column share in one frame are taken away line by line. Rows that
+    jump, and a lamp that flickers, are no noise of pixels, and are found as what they are. What moves there
+    counts for no mean.
 
     `noise`, `inside`: (H, W) noise of a frame, and the pixels that count.
     """
-    found = 0.0
-    for axis in (0, 1):
-        count = inside.sum(axis=axis)
-        enough = count > max(0.5 * count.max(), 1)
-        if enough.sum() < 2:
-            continue
-        means = np.where(inside, noise, 0.0).sum(axis=axis)[enough] / count[enough]
-        off = means - np.median(means)
-        still = np.abs(off) <= _STILL * _MEDIAN_TO_SPREAD * np.median(np.abs(off))
-        independent = float(np.var(noise[inside])) / float(count[enough].mean())
-        found += max(float(np.mean(off[still] ** 2)) - independent, 0.0)
-    return found
+    left = np.asarray(noise, np.float64)
+    if not inside.any():
+        return left
+    off = np.abs(left - np.median(left[inside]))
+    still = inside & (off <= _STILL * max(_MEDIAN_TO_SPREAD * float(np.median(off[inside])), 1.0))
+    pixels = int(np.count_nonzero(inside))
+    lines = 0
+    for axis in (1, 0):
+        count = still.sum(axis=axis, keepdims=True)
+        means = np.where(still, left, 0.0).sum(axis=axis, keepdims=True) / np.maximum(count, 1)
+        left = left - np.where(count >= _FEWEST_IN_LINE, means, 0.0)
+        lines += int(np.count_nonzero(count >= _FEWEST_IN_LINE))
+    return left * (pixels / max(pixels - lines, 1)) ** 0.5
+
+
+def _variance_of_pixels(
+    real_dn: NDArray[np.float32], level: NDArray[np.float32], inside: NDArray[np.bool_]
+) -> NDArray[np.float32]:
+    """(H, W, C) variance over (N, H, W, C) frames of what pixels by themselves add to their mean [DN^2]."""
+    total = np.zeros(level.shape)
+    for frame in real_dn:
+        for channel in range(level.shape[-1]):
+            noise = frame[..., channel] - level[..., channel]
+            total[..., channel] += without_lines(noise, inside[..., channel]) ** 2
+    return np.asarray(total / (len(real_dn) - 1), np.float32)
 
 
 def _censored_variance(samples: NDArray[np.float32]) -> float:

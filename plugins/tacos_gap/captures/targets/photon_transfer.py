@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.captures.capture import Noise, RealCapture
-from tacos_gap.captures.noise_estimate import line_variance_dn2, thinned
+from tacos_gap.captures.noise_estimate import thinned, without_lines
 from tacos_gap.captures.rounding import BeforeRounding, are_whole, before_rounding
 from tacos_plugins.effects.code_steps import code_step_dn
 
@@ -88,22 +88,20 @@ def _points(
     usable = thinned(capture.valid[..., None])[..., 0] & (mean < _CLIPPED * span)
     if zero_dn < 1:
         usable &= (first > 0) & (second > 0)  # what is cut off at 0 has lost half of its noise
-    level, difference = mean[usable], (first - second)[usable]
+    level, difference = mean[usable], without_lines(first - second, usable)[usable]
     if level.size < _LEAST_PIXELS:
         return []
     difference = difference - np.median(difference)  # a lamp that wavered between the two
     edges = _bin_edges(level)
     which = np.searchsorted(edges[1:-1], level, side="right")
     rounded = are_whole(pair)
-    shared = line_variance_dn2((first - second) / np.sqrt(2), usable)
 
     def point(inside: NDArray[np.bool_]) -> tuple[float, float, float]:
         signal = float(level[inside].mean())
         noise = BeforeRounding(_robust_variance(difference[inside]) / 2, 1.0)
         if rounded:
             noise = before_rounding(noise.variance_dn2, signal + zero)
-        variance = max(noise.variance_dn2 - shared, 0.0)
-        return signal * step_dn, variance * step_dn**2, float(inside.sum()) * noise.steepness**2
+        return signal * step_dn, noise.variance_dn2 * step_dn**2, float(inside.sum()) * noise.steepness**2
 
     bins = (which == bin_ for bin_ in range(len(edges) - 1))
     return [point(inside) for inside in bins if inside.sum() >= _LEAST_PIXELS]

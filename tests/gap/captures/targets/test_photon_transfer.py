@@ -138,3 +138,21 @@ def test_noise_below_a_code_is_told_by_the_levels_where_it_shows(zero_code):
     found = pooled_noise(captures)
     assert found is not None
     assert found.photon_dn[0] == pytest.approx(256 / 900, rel=0.08)
+
+
+@pytest.mark.parametrize("wave", ["sine", "saw"])
+def test_a_lamp_that_flickers_over_the_rows_is_no_noise_of_pixels(wave):
+    """It ties the level of a row to its difference between frames, so that no bin of levels is spared."""
+    rng = np.random.default_rng(5)
+    captures = []
+    for light in (0.0, 0.3, 0.6, 0.8):
+        turns = np.arange(200)[:, np.newaxis] / 53 + rng.random((2, 1, 1))
+        lamp = 1 + 0.04 * (np.sin(2 * np.pi * turns) if wave == "sine" else 2 * (turns % 1) - 1)
+        electrons = rng.poisson(6000 * light * lamp * np.ones((2, 200, 200))) + rng.normal(
+            0, 24, (2, 200, 200)
+        )
+        captures.append(_flat(np.rint(8 + 0.0425 * electrons).astype(np.float32)[..., None], 8.0))
+    found = pooled_noise(captures)
+    assert found is not None
+    assert found.photon_dn[0] == pytest.approx(0.0425, rel=0.03)
+    assert found.thermal_dn2[0] == pytest.approx((24 * 0.0425) ** 2, rel=0.1)
