@@ -54,7 +54,7 @@ def main() -> None:
     answer = json.loads((out / "diagnosis" / "diagnosis.json").read_text())
     print(f"{answer['verdict']}: gap {answer['gap']}")
     for cause in answer["causes"]:
-        values = {name: (found["value"], found["ci"]) for name, found in cause["parameters"].items()}
+        values = {name: (found["value"], found.get("ci")) for name, found in cause["parameters"].items()}
         print(f"{cause['effect']:>18} {cause['present']:.2f}  {values}")
     dark_dn_s = DARK_E_S * np.exp(-0.3 + 0.7**2 / 2) / E_PER_DN
     print(
