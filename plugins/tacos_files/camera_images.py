@@ -52,7 +52,7 @@ PICTURE_SUFFIXES = (
 _LOSSY = {b"\xff\xd8\xff": "JPEG", b"RIFF": "WebP"}
 """First bytes of files whose coding changes noise, and the names of the codings."""
 
-LOSSY_SUFFIXES = frozenset({".jpg", ".jpeg", ".webp"})
+LOSSY_SUFFIXES = frozenset({".jpg", ".jpeg", ".webp", ".heic", ".heif", ".avif"})
 
 _LOSSY_REMEDY = "Have the camera save raw frames: PNG, TIFF, npy, PGM or its RAW format."
 

@@ -9,12 +9,11 @@ from operator import or_
 
 import numpy as np
 
+from tacos_files.camera_images import LOSSY_SUFFIXES
 from tacos_gap.captures.alignment import FEWEST_UNUSED, low_bits_unused, shifted_left, used_bits
 from tacos_gap.captures.capture import RealCapture
 from tacos_gap.captures.noise_estimate import thinned
 from tacos_gap.captures.plausibility import exposure_groups
-
-LOSSY_SUFFIXES = frozenset({".jpg", ".jpeg", ".webp", ".heic", ".heif", ".avif"})
 
 CONTRADICTION = 1.5
 """Ratio of levels over that of exposure times, or the reverse, beyond which one of them is doubted."""

@@ -131,9 +131,7 @@ def measured_part(capture: RealCapture, enough: int = ENOUGH_PIXELS) -> Part | N
         return None
     if capture.patches is not None:
         return _around(capture.patches[0], height, width)
-    shown, upright = _shown(capture), height > width
-    band = _band(shown, enough // frames, upright=upright)
-    return _around_edges(shown, enough // frames, band, upright=upright) if shown.any() else band
+    return _band(_shown(capture), enough // frames, upright=height > width)
 
 
 def part_of(capture: RealCapture, part: Part) -> RealCapture:
@@ -212,35 +210,26 @@ def _small(frame: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def _band(shown: NDArray[np.float32], enough: int, *, upright: bool) -> Part:
-    """So many pixels of an (H, W) picture, lines of all its rows or columns where they show most."""
-    height, width = shown.shape
-    along, across = (height, width) if upright else (width, height)
-    size = max(GRID_PX, enough // along // GRID_PX * GRID_PX)
-    start = _where_most_is_shown(shown.sum(axis=0 if upright else 1, dtype=np.float64), size)
-    band = slice(start, min(start + size, across))
-    return (slice(0, height), band) if upright else (band, slice(0, width))
+    """So many pixels of an (H, W) picture: lines of all its rows or columns where they show most.
+
+    Where those are too few for detail, and there is some, as many as that takes, and shorter.
+    """
+    lying = shown.T if upright else shown
+    length = lying.shape[1]
+    size = max(GRID_PX, enough // length // GRID_PX * GRID_PX)
+    if size < DETAIL_PX and shown.any():
+        size, length = DETAIL_PX, max(GRID_PX, enough // DETAIL_PX // GRID_PX * GRID_PX)
+    lines = _where_most_is_shown(lying.sum(axis=1, dtype=np.float64), size)
+    along = _where_most_is_shown(lying[lines].sum(axis=0, dtype=np.float64), length)
+    return (along, lines) if upright else (lines, along)
 
 
-def _around_edges(shown: NDArray[np.float32], enough: int, band: Part, *, upright: bool) -> Part:
-    """A band of an (H, W) picture, or one of so few lines wider and shorter, where it shows most."""
-    lines = band[1] if upright else band[0]
-    if lines.stop - lines.start >= DETAIL_PX:
-        return band
-    height, width = shown.shape
-    along = height if upright else width
-    lines = _band(shown, DETAIL_PX * along, upright=upright)[1 if upright else 0]
-    inside = shown[:, lines] if upright else shown[lines]
-    length = min(max(enough // DETAIL_PX // GRID_PX * GRID_PX, GRID_PX), along)
-    start = _where_most_is_shown(inside.sum(axis=1 if upright else 0, dtype=np.float64), length)
-    piece = slice(start, start + length)
-    return (piece, lines) if upright else (lines, piece)
-
-
-def _where_most_is_shown(profile: NDArray[np.float64], size: int) -> int:
-    """Beginning of a band of so many lines: on the grid, the nearest to the middle that shows most."""
+def _where_most_is_shown(profile: NDArray[np.float64], size: int) -> slice:
+    """So many lines: on the grid, those nearest to the middle that show most."""
     starts = np.arange(0, max(len(profile) - size, 0) + 1, GRID_PX)
     sums = np.concatenate([[0.0], np.cumsum(profile)])
     inside = sums[np.minimum(starts + size, len(profile))] - sums[starts]
     most = np.flatnonzero(inside >= 0.999 * inside.max())
     middle = (len(profile) - size) / 2
-    return int(starts[most[np.argmin(np.abs(starts[most] - middle))]])
+    start = int(starts[most[np.argmin(np.abs(starts[most] - middle))]])
+    return slice(start, min(start + size, len(profile)))

@@ -172,9 +172,9 @@ def _dark_level(pictures: Sequence[Picture]) -> float | None:
         return None
     darks.sort(key=lambda dark: (dark.facts.exposure_ms or math.inf, dark.middle_dn))
     first = darks[0]
-    last = [dark for dark in darks if dark.facts.exposure_ms and _gain(dark) == _gain(first)][-1:] or [first]
-    points = [((each.facts.exposure_ms or 0.0) / 1e3, each.middle_dn) for each in (first, *last)]
-    return round(pedestal_dn(*points), 2)
+    timed = [dark for dark in darks if dark.facts.exposure_ms and _gain(dark) == _gain(first)]
+    ends = [((dark.facts.exposure_ms or 0.0) / 1e3, dark.middle_dn) for dark in (first, [first, *timed][-1])]
+    return round(pedestal_dn(*ends), 2)
 
 
 def _gain(picture: Picture) -> tuple[float | None, float | None]:

@@ -12,14 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from tacos_files.camera_images import RAW_SUFFIXES, black_of_raw, opened_raw
+from tacos_files.camera_images import LOSSY_SUFFIXES, RAW_SUFFIXES, black_of_raw, opened_raw
 from tacos_files.image_headers import UNREADABLE
 from tacos_framework import Fault, UserError
 from tacos_framework.files import read_bytes
 from tacos_gap.photographs.names import kind_in_name, settings_in_name
 
 OF_NAME = "its name"
-LOSSY_SUFFIXES = frozenset({".jpg", ".jpeg", ".webp", ".heic"})
 
 _FULL_FRAME_DIAGONAL_MM = math.hypot(36, 24)
 _MM_PER_UNIT = {2: 25.4, 3: 10.0, 4: 1.0, 5: 1e-3}
