@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from tacos_gap.captures import RealCapture
 from tacos_gap.statistics.grid import tiles
 
-_LEAST_PIXELS = 40
+_LEAST_PIXELS, _MOST_PIXELS = 40, 1_500
+"""Textured pixels that a tile has at least, and at most: the steepest tell its move to a hundredth."""
 
 _REACH_PX = 4
 """How far from a pixel its smoothed slope looks."""
@@ -89,14 +90,22 @@ def textured_tiles(capture: RealCapture) -> TexturedTiles:
         assert capture.expected_dn is not None
         level = capture.expected_dn[0].mean(axis=-1)
         gy, gx = np.gradient(level)
-        textured = (np.hypot(gx, gy) > _TEXTURED * max(np.ptp(level), 1)) & _well_inside(capture.valid)
+        slope = np.hypot(gx, gy)
+        textured = (slope > _TEXTURED * max(np.ptp(level), 1)) & _well_inside(capture.valid)
         grid = tiles(capture)
         where = np.flatnonzero(textured)
         tile = grid.index.ravel()[where]
-        parts = [where[tile == k] for k in range(len(grid.at))]
+        parts = [_steepest(where[tile == k], slope.ravel()) for k in range(len(grid.at))]
         kept = [k for k, part in enumerate(parts) if len(part) > _LEAST_PIXELS]
         _KEPT[capture] = TexturedTiles([parts[k] for k in kept], [grid.at[k] for k in kept])
     return _KEPT[capture]
+
+
+def _steepest(pixels: NDArray[np.int64], slope: NDArray[np.float32]) -> NDArray[np.int64]:
+    """The steepest of a tile's pixels, in their order, as many as tell its move."""
+    if len(pixels) <= _MOST_PIXELS:
+        return pixels
+    return np.sort(pixels[np.argpartition(slope[pixels], -_MOST_PIXELS)[-_MOST_PIXELS:]])
 
 
 def _well_inside(valid: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from statistics import median
 from typing import Any, ClassVar
 
@@ -24,10 +24,12 @@ from tacos_framework import (
 )
 from tacos_plugins.effects import observations
 from tacos_plugins.effects.blur import blur, disc_transfer, kernel_of
-from tacos_plugins.effects.depth_of_field import blur_by_depth, signed_radius
+from tacos_plugins.effects.depth_of_field import LARGEST_RADIUS_PX, blur_by_depth, signed_radius
 from tacos_plugins.effects.disc import disc_kernel
 from tacos_plugins.effects.disc_radius import disc_radius_px
 from tacos_plugins.effects.edge_spread import are_sharpened
+from tacos_plugins.effects.field_blur import blur_over_field
+from tacos_plugins.effects.focus_plane import tilted_plane
 from tacos_plugins.effects.samples import Samples
 from tacos_plugins.effects.shown_by import EDGES
 
@@ -40,8 +42,10 @@ _STRIDE = 4  # pixels from one to the next that are looked at
 class Defocus:
     """Spreads each point of light over an even disc.
 
-    The disc has one radius all over the image, or follows from the distance of focus, the f-number and the
-    depth of each pixel, for a thin lens. Then near, blurred things overlap what is behind them, and what is
+    The disc has one radius all over the image, or one that grows along a line, as where a flat thing or the
+    sensor is tilted by t against the plane of focus: with a slope of tan(t) / (2 N) at f-number N, through
+    sharpness to the other side of focus. Or it follows from the distance of focus, the f-number and the depth
+    of each pixel, for a thin lens. Then near, blurred things overlap what is behind them, and what is
     behind does not bleed into sharp things before it; what they hide is not known and is made up from its
     surroundings. The image does not change size with focus.
 
@@ -64,6 +68,16 @@ class Defocus:
             ge=0,
             le=1e3,
         )
+        slope_x: float = setting(
+            0.0,
+            help="Growth of the radius from the principal point to the right, over the way.",
+            unit="px/px",
+            ge=-0.5,
+            le=0.5,
+        )
+        slope_y: float = setting(
+            0.0, help="Growth of the radius downwards, over the way.", unit="px/px", ge=-0.5, le=0.5
+        )
         focus_m: float | None = setting(
             None,
             help="Distance of focus; if given, the radius follows from the depth of each pixel.",
@@ -78,14 +92,19 @@ class Defocus:
 
         @model_validator(mode="after")
         def _one_radius(self) -> Defocus.Config:
-            for name in ("radius_px", "radius_um"):
+            for name in ("radius_px", "radius_um", "slope_x", "slope_y"):
                 if getattr(self, name) and self.focus_m is not None:
                     raise ValueError(f"{name} and focus_m exclude each other: give one radius, or a focus")
             return self
 
     stage: ClassVar[Stage] = "optics"
     rank: ClassVar[int] = 30
-    neutral: ClassVar[Mapping[str, Any]] = {"radius_px": 0.0, "focus_m": None}
+    neutral: ClassVar[Mapping[str, Any]] = {
+        "radius_px": 0.0,
+        "slope_x": 0.0,
+        "slope_y": 0.0,
+        "focus_m": None,
+    }
     initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"radius_px": 1.5}, {"radius_px": 4.0})
     by_capture: ClassVar[Sequence[str]] = ("radius_px",)
     look_alikes: ClassVar[Sequence[LookAlike]] = (
@@ -109,10 +128,16 @@ class Defocus:
 
     @classmethod
     def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
-        """The radius that the spectra of pictures show beside those expected; the middle one of several."""
-        radii = [radius for each in structured(captures) if (radius := disc_radius_px(each)) is not None]
+        """The radius that the spectra of pictures show beside those expected; the middle one of several.
+
+        And the tilted plane that the radii of a picture's tiles lie in.
+        """
+        pictures = structured(captures)
+        radii = [radius for each in pictures if (radius := disc_radius_px(each)) is not None]
         if radii:
             yield {"radius_px": float(median(radii))}
+        for plane in filter(None, map(tilted_plane, pictures)):
+            yield {"radius_px": plane.radius_px, "slope_x": plane.slope_x, "slope_y": plane.slope_y}
 
     def on_array(
         self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
@@ -124,9 +149,11 @@ class Defocus:
             f_number = c.f_number or context.known_f_number("effect.defocus with focus_m")
             radius = signed_radius(depth_m, geometry, f_number=f_number, focus_m=c.focus_m)
             return blur_by_depth(signal, np.broadcast_to(radius, signal.shape[:3]))
-        if c.radius_px == 0.0:
-            return signal
-        return spread_over_disc(signal, c.radius_px)
+        if c.slope_x or c.slope_y:
+            radius = np.abs(c.radius_px + c.slope_x * geometry.x_px + c.slope_y * geometry.y_px)
+            radius = np.minimum(radius, LARGEST_RADIUS_PX)
+            return _spread(signal, lambda light, kernel: blur_over_field(light, radius, kernel))
+        return spread_over_disc(signal, c.radius_px) if c.radius_px else signal
 
 
 def spread_over_disc(light: NDArray[np.floating], radius_px: float) -> NDArray[np.floating]:
@@ -139,10 +166,18 @@ def spread_over_disc(light: NDArray[np.floating], radius_px: float) -> NDArray[n
 
     Returns: same shape and dtype.
     """
+    return _spread(light, lambda light, kernel: blur(light, kernel(radius_px)))
+
+
+def _spread(
+    light: NDArray[np.floating],
+    by: Callable[[NDArray[np.floating], Callable[[float], NDArray[np.float64]]], NDArray[np.floating]],
+) -> NDArray[np.floating]:
+    """Light spread `by` kernels of discs: of lamps by shares of pixels, else by the transfer function."""
     seen = np.minimum(light, _brightest_but_for_lamps(light))
-    spread = blur(seen, kernel_of(disc_transfer(radius_px), reach_px=radius_px))
     beyond = light - seen
-    return spread + blur(beyond, disc_kernel(radius_px)) if beyond.any() else spread
+    spread = by(seen, lambda radius_px: kernel_of(disc_transfer(radius_px), reach_px=radius_px))
+    return spread + by(beyond, disc_kernel) if beyond.any() else spread
 
 
 def _brightest_but_for_lamps(light: NDArray[np.floating]) -> NDArray[np.floating]:

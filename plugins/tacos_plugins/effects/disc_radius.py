@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
@@ -20,6 +23,14 @@ _LARGEST = 8  # of the shorter side, over the largest radius that it can show
 _ROUNDS = 4
 
 
+@dataclass(frozen=True)
+class DiscFit:
+    """The disc that explains a spectrum best, and the share of squares that it leaves of those without."""
+
+    radius_px: float
+    left: float
+
+
 def disc_radius_px(capture: ObservedCapture) -> float | None:
     """The radius with which the expectation has the spectrum of the mean frame, up to gain and white noise.
 
@@ -27,27 +38,51 @@ def disc_radius_px(capture: ObservedCapture) -> float | None:
     """
     if capture.expected_dn is None or not capture.valid.any():
         return None
-    real, expected = (_power(frames, capture.valid) for frames in (capture.real_dn, capture.expected_dn))
-    fx, fy = (np.fft.fftfreq(size).astype(np.float64) for size in real.shape[::-1])
+    real, expected = (
+        power_spectrum(mean_image(each), capture.valid) for each in (capture.real_dn, capture.expected_dn)
+    )
+    (fit,) = disc_fits([(real, expected)])
+    return fit.radius_px if fit is not None and fit.left < LEAST_SHARE else None
+
+
+def mean_image(frames: NDArray[np.float32]) -> NDArray[np.float64]:
+    """(H, W) the mean of (N, H, W, C) frames and their colours [DN]."""
+    return np.asarray(frames.mean(axis=(0, 3), dtype=np.float64))
+
+
+def disc_fits(pairs: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]]) -> list[DiscFit | None]:
+    """The best disc of each pair of power spectra, real and expected, all of one shape (H, W).
+
+    None where nothing is expected, or the real one is empty.
+    """
+    shape = pairs[0][0].shape
+    fx, fy = (np.fft.fftfreq(size).astype(np.float64) for size in shape[::-1])
     rings = (np.hypot(fx[None, :], fy[:, None]) / 0.5 * _RINGS).astype(np.int64)
-    inside = (rings < _RINGS) & (np.hypot(fx[None, :], fy[:, None]) > 2 / min(real.shape))
+    inside = (rings < _RINGS) & (np.hypot(fx[None, :], fy[:, None]) > 2 / min(shape))
     weights = np.bincount(rings[inside], minlength=_RINGS)
     kept = weights > 0
-    seen = np.bincount(rings[inside], real[inside], _RINGS)[kept] / weights[kept]
-    if not expected[inside].any() or not seen.all():
-        return None
 
-    def left(radius_px: float) -> float:
-        passed = _passed_by_disc(radius_px, fx, fy) * expected
-        shown = np.bincount(rings[inside], passed[inside], _RINGS)[kept] / weights[kept]
-        return _unexplained(seen, shown, weights[kept])
+    def of_rings(power: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.asarray(np.bincount(rings[inside], power[inside], _RINGS)[kept] / weights[kept])
 
-    radii = RADII_PX[min(real.shape) / _LARGEST > RADII_PX]
-    if not len(radii):
-        return None
-    cost = np.array([left(radius) for radius in radii])
-    best = int(np.argmin(cost))
-    return float(radii[best]) if best and cost[best] < LEAST_SHARE * left(0.0) else None
+    seen = [of_rings(real) for real, _ in pairs]
+    usable = [
+        bool(power.all() and expected[inside].any()) for power, (_, expected) in zip(seen, pairs, strict=True)
+    ]
+    radii = RADII_PX[min(shape) / _LARGEST > RADII_PX]
+    costs = np.full((len(pairs), 1 + len(radii)), np.inf)
+    for k, radius in enumerate((0.0, *radii)):
+        passed = _passed_by_disc(radius, fx, fy)
+        for i, (_, expected) in enumerate(pairs):
+            if usable[i]:
+                costs[i, k] = _unexplained(seen[i], of_rings(passed * expected), weights[kept])
+    best = costs[:, 1:].argmin(axis=1) if len(radii) else None
+    return [
+        DiscFit(float(radii[best[i]]), float(cost[1 + best[i]] / max(cost[0], 1e-300)))
+        if best is not None and usable[i]
+        else None
+        for i, cost in enumerate(costs)
+    ]
 
 
 def _passed_by_disc(
@@ -60,9 +95,8 @@ def _passed_by_disc(
     return quarter[np.ix_(rows, columns)]
 
 
-def _power(frames: NDArray[np.float32], valid: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """(H, W) power spectrum of the mean frame, without its mean and faded out towards the borders."""
-    image = frames.mean(axis=(0, 3), dtype=np.float64)
+def power_spectrum(image: NDArray[np.float64], valid: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """(H, W) power of an image without its mean, and faded out towards the borders."""
     height, width = image.shape
     faded = np.where(valid, image - image[valid].mean(), 0.0)
     return np.asarray(np.abs(np.fft.fft2(faded * np.hanning(height)[:, None] * np.hanning(width))) ** 2)

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tacos_framework import (
     Captures,
@@ -24,10 +22,10 @@ from tacos_framework import (
 from tacos_plugins.effects import closed_forms
 from tacos_plugins.effects.blur import airy_transfer, blur, gaussian_kernel, kernel_of
 from tacos_plugins.effects.edge_spread import edge_variances_px2
+from tacos_plugins.effects.field_blur import blur_over_field
 from tacos_plugins.effects.samples import Samples
 from tacos_plugins.effects.shown_by import EDGES
 
-_STEP = 1.15  # from each blur to the next
 _REACH_RINGS = 8.0
 
 
@@ -93,34 +91,4 @@ class LensBlur:
             return signal
         if c.growth == 0.0:
             return blur(signal, gaussian_kernel(c.sigma_px))
-        return blur_over_field(signal, c.sigma_px * (1 + c.growth * geometry.radius**2))
-
-
-def blur_over_field(light: NDArray[np.floating], sigma_px: NDArray[np.float64]) -> NDArray[np.floating]:
-    """Light blurred by a Gaussian of another width at each pixel.
-
-    A mixture of two blurs a step apart stands in for those between them, with the right variance.
-
-    `light`: (N, H, W, C) float32 or float64. `sigma_px`: (H, W) standard deviation, never negative [px].
-
-    Returns: same shape and dtype.
-    """
-    variance = sigma_px**2
-    least, most = float(variance.min()), float(variance.max())
-    least = max(least, most * 1e-3)  # narrower is as good as sharp, beside the widest
-    count = max(2, math.ceil(math.log(most / least) / (2 * math.log(_STEP))) + 1)
-    steps = np.geomspace(least, most, count) if most > least else np.array([most])
-    if variance.min() < least:
-        steps = np.concatenate([[0.0], steps])
-    blurred = np.zeros_like(light)
-    for i, step in enumerate(steps):
-        share = _share(variance, steps, i).astype(light.dtype)[..., None]
-        blurred += share * (light if step == 0 else blur(light, gaussian_kernel(math.sqrt(step))))
-    return blurred
-
-
-def _share(variance: NDArray[np.float64], steps: NDArray[np.float64], i: int) -> NDArray[np.float64]:
-    """Share of blur `i` in each pixel; the shares of all blurs come to 1."""
-    height = np.zeros(len(steps))
-    height[i] = 1.0
-    return np.interp(variance, steps, height)
+        return blur_over_field(signal, c.sigma_px * (1 + c.growth * geometry.radius**2), gaussian_kernel)
