@@ -67,6 +67,8 @@ def causes_of(
         group = {term.name, *alike}
         certainty = min(sum(probabilities.get(name, 0.0) for name in group), _LARGEST_PROBABILITY)
         rest = problem.residual(without(best.hypothesis, term.name))
+        if rest is not None:
+            rest = rest / problem.own_units([name for name in best.names if name != term.name])
         share = 0.0 if rest is None else share_explained(problem, best.z, rest)
         near = [name for name in rivals if probabilities[name] > 0.05]
         doubt = left.score if rest is None else max(left.score, doubt_beside(problem, best.z, rest))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,10 +31,10 @@ class Fits:
     def null(self) -> Fitted:
         return self.known[()]
 
-    def take_as_units(self, scale: NDArray[np.float64]) -> None:
-        """Count in units of another noise floor; simulations are only rescaled."""
+    def take_as_units(self, scale: NDArray[np.float64], names: Collection[str]) -> None:
+        """Count in units of another noise floor, that of some effects; simulations are only rescaled."""
         before = self.problem.scale
-        self.problem = self.problem.reweighted(scale)
+        self.problem = self.problem.reweighted(scale, names)
         self.known = {k: rescored(self.problem, fitted, before) for k, fitted in self.known.items()}
 
     def again(self, fitted: Fitted) -> Fitted:

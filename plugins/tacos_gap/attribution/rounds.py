@@ -25,7 +25,7 @@ from tacos_gap.hypotheses.parameters import HypothesisTerm
 from tacos_gap.inference.alternative_guesses import in_its_best_form
 from tacos_gap.inference.codec import codec_of_files
 from tacos_gap.inference.discrete import searched
-from tacos_gap.inference.fit import DRAWS, Fitted, finished, fit
+from tacos_gap.inference.fit import DRAWS, Fitted, finished, fit, rescored
 from tacos_gap.inference.problem import Hypothesis, Map, Problem, without
 from tacos_gap.inference.pruning import pruned as less_parameters
 from tacos_gap.inference.screening import (
@@ -105,6 +105,7 @@ class Rounds:
         self.each = each
         self.notify = notify
         self.cut_short = False
+        self._asked: set[str] = set()  # effects that were asked whether pictures differ by them
 
     def are_spent(self) -> bool:
         """True if all simulations were made, so that no further effect is looked for: it is cut short."""
@@ -170,19 +171,51 @@ class Rounds:
         best = self.fits.renuisanced(best)
         before = self.problem.scale
         residuals = self.problem.replicate_residuals(best.hypothesis)
-        self.take_as_units(np.maximum(residuals.scale, 1.0))
+        self._note_what_spreads(best.hypothesis)
+        self.take_as_units(np.maximum(residuals.scale, 1.0), best.names)
         best = self.fits.again(best)
         if best.hypothesis and self.directions and np.mean(self.problem.scale > WIDER * before) > MANY:
             best = self._begun_anew(best)
             residuals = self.problem.replicate_residuals(best.hypothesis)
-            self.take_as_units(np.maximum(residuals.scale, 1.0))
+            self.take_as_units(np.maximum(residuals.scale, 1.0), best.names)
             best = self.fits.again(best)
         return best, residuals
 
-    def take_as_units(self, scale: NDArray[np.float64]) -> None:
-        """Count in units of another noise floor; simulations are only rescaled."""
+    def _note_what_spreads(self, hypothesis: Hypothesis) -> None:
+        """Keep by how much more numbers spread with each effect by which pictures differ from one another."""
+
+        def floor(of: Hypothesis) -> NDArray[np.float64]:
+            return np.maximum(self.problem.replicate_residuals(of).scale, 1.0)
+
+        if np.mean(floor(hypothesis) > WIDER) <= MANY:
+            return
+        for name in {term.name for term in hypothesis} - self.problem.spread.keys():
+            wider = floor(hypothesis) / floor(without(hypothesis, name))
+            if np.mean(wider > WIDER) > MANY:
+                self.problem.spread[name] = wider
+
+    def _of_chance(self, fitted: Fitted) -> Fitted:
+        """A fit whose last effect makes pictures differ from one another: in its own units, from each guess.
+
+        In narrower ones it would be fitted to the luck of one simulation.
+        """
+        name = fitted.names[-1]
+        if name not in self._asked:
+            self._asked.add(name)
+            self._note_what_spreads(fitted.hypothesis)
+        if name not in self.problem.spread:
+            return fitted
+        scale = self.problem.scale * self.problem.own_units(fitted.names)
+        wide = self.problem.averaging(AVERAGED).reweighted(scale, fitted.names)
+        guesses = [fitted.hypothesis[-1], *all_initial_guesses(self.directions[name])]
+        fits = self.each(lambda guess: fit(wide, (*fitted.hypothesis[:-1], guess)), guesses)
+        best = max((each for each in fits if each is not None), key=lambda each: each.score)
+        return self.fits.keep(rescored(self.problem, best, wide.scale))
+
+    def take_as_units(self, scale: NDArray[np.float64], names: Collection[str]) -> None:
+        """Count in units of another noise floor, that of some effects; simulations are only rescaled."""
         before = self.problem.scale
-        self.fits.take_as_units(scale)
+        self.fits.take_as_units(scale, names)
         self.directions = in_units(self.directions, before / self.problem.scale)
 
     def _begun_anew(self, best: Fitted) -> Fitted:
@@ -206,7 +239,7 @@ class Rounds:
         least = SCREENING_FRACTION * COMPLEXITY_PENALTY
         guesses = self.shortlisted(base, self.free(base, among), least)
         tried = self.fits.compared([(*base.hypothesis, guess) for guess in guesses], near=base)
-        tried = [fitted for fitted in tried if shows(self.problem, base, fitted)]
+        tried = [self._of_chance(fitted) for fitted in tried if shows(self.problem, base, fitted)]
         if not tried:
             return None
         best = max(tried, key=lambda fitted: fitted.score)

@@ -123,7 +123,7 @@ class ForwardSelection:
         rounds = self._rounds
         units = rounds.problem.scale
         other, _ = rounds.grown(beginning)
-        rounds.take_as_units(np.maximum(units, rounds.problem.scale))
+        rounds.take_as_units(np.maximum(units, rounds.problem.scale), {*best.names, *other.names})
         both = [rounds.fits.again(each) for each in (best, other)]
         better = max(both, key=lambda fitted: fitted.score - COMPLEXITY_PENALTY * len(fitted.hypothesis))
         better, residuals = rounds.in_its_units(better)

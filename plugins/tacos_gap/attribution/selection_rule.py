@@ -67,7 +67,8 @@ def least_gain(problem: Problem, base: Fitted, touched: Sequence[slice] = (slice
     `base`: the explanation that it is added to. `touched`: where the captures that it changes stand in the
     residuals; all by default.
     """
-    left = np.concatenate([robust(base.held_out[slot]) ** 2 for slot in (*touched, slice(0))])
+    held_out = base.held_out / problem.own_units(base.names)
+    left = np.concatenate([robust(held_out[slot]) ** 2 for slot in (*touched, slice(0))])
     rest = 0.5 * problem.weight * float(np.sum(left) - len(left))  # squares of the noise floor are 1 each
     return max(COMPLEXITY_PENALTY, LEAST_OF_REST * rest)
 

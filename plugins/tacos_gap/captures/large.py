@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.captures.capture import RealCapture, Whole
+from tacos_plugins.effects.row_waves import SHADING_DEGREE
 
 KEPT_PIXELS = 1_000_000
 """Pixels of a frame of even light, of an edge, of a bracket that are kept in memory, for closed forms: a
@@ -34,6 +35,9 @@ GRID_PX = 16
 
 DETAIL_PX = 32
 """Lines that a part with edges has at least: statistics of detail are taken in tiles of about as many."""
+
+FLICKERS = 0.003
+"""Scatter of a wall's rows about a smooth course, over their mean, that is a lamp's flicker."""
 
 SMALL_PX = 640
 """Width of the picture that stays of a frame that is kept in part [px]."""
@@ -108,6 +112,8 @@ def as_kept(capture: RealCapture) -> RealCapture:
     if capture.kind == "edge":  # which every line of its band crosses
         right, down = (np.abs(slope) for slope in _slopes(capture.real_dn[0]))
         upright, shown = bool(down.sum() > right.sum()), right + down
+    elif capture.kind == "flat":
+        upright |= _flickers(capture)
     cut = part_of(capture, _band(shown, KEPT_PIXELS, upright=upright))
     return replace(
         cut,
@@ -123,7 +129,7 @@ def measured_part(capture: RealCapture, enough: int = ENOUGH_PIXELS) -> Part | N
 
     A band along the longer side, so that what depends on the radius is seen as far out as that: through the
     middle, or where edges are of a capture that shows some; then the band is wide enough for them and, for
-    that, may be short. Of a chart all of its patches.
+    that, may be short. Of a wall whose lamp flickers a band through all rows. Of a chart all of its patches.
     """
     height, width = capture.valid.shape
     frames = min(capture.frames, 2)  # two are kept, see `RealCapture.of_at_most`
@@ -131,7 +137,8 @@ def measured_part(capture: RealCapture, enough: int = ENOUGH_PIXELS) -> Part | N
         return None
     if capture.patches is not None:
         return _around(capture.patches[0], height, width)
-    return _band(_shown(capture), enough // frames, upright=height > width)
+    upright = height > width or (capture.kind == "flat" and _flickers(capture))
+    return _band(_shown(capture), enough // frames, upright=upright)
 
 
 def part_of(capture: RealCapture, part: Part) -> RealCapture:
@@ -192,6 +199,20 @@ def _shown(capture: RealCapture) -> NDArray[np.float32]:
         return np.zeros(capture.valid.shape, np.float32)
     assert capture.expected_dn is not None
     return np.asarray(np.hypot(*_slopes(capture.expected_dn[0])) * capture.valid, np.float32)
+
+
+def _flickers(capture: RealCapture) -> bool:
+    """Whether rows of a wall scatter about a smooth course, in any frame, and columns do much less."""
+    signal = capture.real_dn.mean(axis=-1) - np.float32(capture.context.black_level_dn)
+    rows, columns = (max(map(_scatter, signal.mean(axis=axis))) for axis in (2, 1))
+    return bool(rows > max(FLICKERS, 2 * columns))
+
+
+def _scatter(profile: NDArray[np.float32]) -> float:
+    """Standard deviation of a (L,) profile about a polynomial, over its mean."""
+    place = np.linspace(-1, 1, len(profile))
+    smooth = np.polynomial.Polynomial.fit(place, profile, SHADING_DEGREE)(place)
+    return float(np.std(profile - smooth) / max(float(profile.mean()), 1.0))
 
 
 def _slopes(image: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:

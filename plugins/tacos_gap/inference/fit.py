@@ -7,6 +7,7 @@ one that is no longer that of the place.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -157,8 +158,22 @@ def _fitted(
     steps: NDArray[np.float64],
 ) -> Fitted:
     held_out = _held_out(problem, hypothesis, z, jacobian, steps)
-    score = -0.5 * problem.weight * float(np.sum(robust(held_out) ** 2)) - penalty(free_names(hypothesis))
+    misfit = float(np.sum(squares_in_own_units(problem, [term.name for term in hypothesis], held_out)))
+    score = -0.5 * problem.weight * misfit - penalty(free_names(hypothesis))
     return Fitted(hypothesis, z, jacobian, steps, score, held_out, problem.draws)
+
+
+def squares_in_own_units(
+    problem: Problem, names: Collection[str], z: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """(K,) squares of robust residuals in units of an explanation's own noise floor, as log likelihoods are.
+
+    Minus twice those, up to a constant: a wider floor has its price, the logarithm of its square.
+
+    `names`: the effects of the explanation. `z`: (K,) residuals [noise floor of now].
+    """
+    units = problem.own_units(names)
+    return np.asarray(robust(z / units) ** 2 + 2 * np.log(units))
 
 
 def _cost(z: NDArray[np.float64]) -> float:

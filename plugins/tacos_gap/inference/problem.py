@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from copy import copy
 from dataclasses import dataclass
@@ -134,6 +134,8 @@ class Problem:
         self.null = np.concatenate([e.residual(()) for e in self.evidence]) if self.evidence else np.zeros(0)
         self.null_replicates = _side_by_side([e.null_replicates for e in self.evidence])
         self.scale = np.ones(len(self.labels))
+        self.spread: dict[str, NDArray[np.float64]] = {}
+        self._spread_in: frozenset[str] = frozenset()
         self.draws = 1
         self._tally = Tally()
         self._stated = self.evidence
@@ -176,12 +178,16 @@ class Problem:
             np.concatenate([part.scale for part in parts]),
         )
 
-    def reweighted(self, scale: NDArray[np.float64]) -> Problem:
-        """The same evidence in units of a larger noise floor; what was simulated is kept."""
+    def reweighted(self, scale: NDArray[np.float64], names: Collection[str] = ()) -> Problem:
+        """The same evidence in units of a larger noise floor; what was simulated is kept.
+
+        `names`: the effects whose noise floor it is.
+        """
         other = copy(self)
         for name in ("weight", "noise_floor_rms", "null_gaps"):
             other.__dict__.pop(name, None)
         other.scale = scale
+        other._spread_in = frozenset(self.spread) & frozenset(names)
         other.null = self.null * self.scale / scale
         other.null_replicates = self.null_replicates * self.scale / scale
         return other
@@ -203,6 +209,17 @@ class Problem:
         other.null = np.concatenate(list(self._of_each(lambda e: e.residual(()), evidence))) / self.scale
         other._kept, other._replicate_residuals = {}, {}
         return other
+
+    def own_units(self, names: Collection[str]) -> NDArray[np.float64]:
+        """(K,) noise floor of an explanation by some effects, in units of that of now.
+
+        They differ by the effects of `spread`: those by which pictures differ so much from one to the next,
+        as under lamps of unknown phase, that numbers spread by these factors (K,) more with them.
+        """
+        units = np.ones(len(self.labels))
+        for name, wider in self.spread.items():
+            units *= wider ** (int(name in names) - int(name in self._spread_in))
+        return units
 
     def averaging(self, draws: int) -> Problem:
         other = copy(self)

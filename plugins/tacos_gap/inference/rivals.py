@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_gap.evidence import SPREAD_OF_ONE
-from tacos_gap.inference.fit import Fitted
+from tacos_gap.inference.fit import Fitted, squares_in_own_units
 from tacos_gap.inference.problem import Problem, robust
 from tacos_gap.inference.unknown import block_index
 
@@ -74,11 +74,13 @@ def discrepancy(problem: Problem, base: Fitted, share: float) -> NDArray[np.floa
 
     A coherent `share` of what the explanation changed there [squared noise floor].
     """
-    return np.asarray(share**2 * np.bincount(block_index(problem), (problem.null - base.z) ** 2))
+    changed = (problem.null - base.z) / problem.own_units(base.names)
+    return np.asarray(share**2 * np.bincount(block_index(problem), changed**2))
 
 
 def gain_beyond(problem: Problem, base: Fitted, fitted: Fitted, allowed: NDArray[np.float64]) -> float:
     """Gain of a fit over another in log score, in each block beyond an allowance of (B,) squares [nat]."""
     blocks = block_index(problem)
-    gain = np.bincount(blocks, robust(base.held_out) ** 2 - robust(fitted.held_out) ** 2, len(allowed))
+    fell = (squares_in_own_units(problem, each.names, each.held_out) for each in (base, fitted))
+    gain = np.bincount(blocks, np.subtract(*fell), len(allowed))
     return 0.5 * problem.weight * float(np.sum(np.sign(gain) * np.maximum(np.abs(gain) - allowed, 0.0)))

@@ -108,12 +108,24 @@ def repeated(first: Shown, second: Shown) -> bool:
     """True if two pictures differ by their noise alone: same view, same light, same focus."""
     even = first.kind == second.kind and first.kind in ("dark", "flat")
     a, b = (_coarse(each.thumbnail) if even else each.thumbnail for each in (first, second))
+    apart = _but_for_waves(a - b) if first.kind == "flat" else a - b
     steady = _STEADY * max(float(a.mean()), DARK_SHARE)
-    if np.percentile(np.abs(a - b), 95) >= max(steady, 2.3 * _noise(a - b)):
+    if np.percentile(np.abs(apart), 95) >= max(steady, 2.3 * _noise(apart)):
         return False
     if even:
         return first.kind == "dark" or same_shading(first, second)
     return 0.85 < (first.sharpness + 1e-9) / (second.sharpness + 1e-9) < 1 / 0.85
+
+
+def _but_for_waves(apart: NDArray[np.float32]) -> NDArray[np.float32]:
+    """A difference of two pictures without what rows differ by, but for a line along them.
+
+    A lamp that flickers meets the rows of each picture at another phase; one that was moved leaves a slope.
+    """
+    rows = apart.mean(axis=1)
+    place = np.arange(len(rows))
+    line = np.polynomial.Polynomial.fit(place, rows, 1)(place).astype(np.float32)
+    return apart - (rows - line)[:, None]
 
 
 def same_shading(first: Shown, second: Shown, *, through_a_curve: bool = False) -> bool:

@@ -116,20 +116,21 @@ class Sample:
 
     @cached_property
     def temporal(self) -> NDArray[np.float32]:
-        """(N, B R, W, C) frames less their mean in steady light, in `bands`; its mean square is the variance.
+        """(N, B R, W, C) noise of pixels in `bands`: frames less their mean, in steady light [DN].
 
-        [DN]
+        Without what the pixels of a row share in a frame, which is measured by itself: a lamp that flickers
+        parts two frames by another amount each time. Its mean square is the variance.
         """
         from tacos_gap.statistics.noise_loops import part_from_mean
 
         count, height, width, channels = self.frames.shape
         rows = self.bands.ravel()
-        scale = np.float32(np.sqrt(count / (count - 1)))
+        scale = np.float32(np.sqrt(count / (count - 1) * width / max(width - 1, 1)))
         black = np.float32(self.capture.context.black_level_dn)
         over = np.tile((scale / self.light_of_frames)[:, 0], width)  # as `in_steady_light`, in one pass
         noise = np.empty((count, len(rows), width * channels), np.float32)
         in_rows = self.frames.reshape(count, height, -1), self.mean.reshape(height, -1)
-        part_from_mean(*in_rows, rows, over, black * (scale - over), scale, noise)
+        part_from_mean(*in_rows, rows, over, black * (scale - over), scale, channels, noise)
         return noise.reshape(count, len(rows), width, channels)
 
     @cached_property

@@ -9,7 +9,18 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import Captures, ImageContext, ImageGeometry, Settings, ShownBy, Stage, lit, setting
+from tacos_framework import (
+    Captures,
+    ImageContext,
+    ImageGeometry,
+    ObservedCapture,
+    Settings,
+    ShownBy,
+    Stage,
+    lit,
+    setting,
+)
+from tacos_plugins.effects.row_waves import SHADING_DEGREE, amplitudes
 from tacos_plugins.effects.samples import Samples
 from tacos_plugins.effects.shown_by import LAMPS
 
@@ -89,19 +100,21 @@ def lamp_wave(
 def wave_depths(captures: Captures) -> dict[float, float]:
     """Depth of the waves over the rows that captures show beside what is expected [1], by period [row].
 
-    Periods are refined between whole fractions of the height. Of three frames or more what stays from frame
-    to frame is left out.
+    Those with the most rows tell it, at periods between whole fractions of their height, too. Of three frames
+    or more what stays from frame to frame is left out, of fewer what is smooth.
     """
-    depths: dict[float, float] = {}
     seen = [c for c in lit(captures) if c.expected_dn is not None]
-    for capture in seen:
-        assert capture.expected_dn is not None
-        signal = np.maximum(capture.expected_dn.mean(axis=0).mean(axis=-1), 1.0).sum(axis=1)
-        rows = (capture.real_dn - capture.expected_dn).mean(axis=-1).sum(axis=2) / signal
-        rows = rows - rows.mean(axis=0) if len(rows) > 2 else rows - rows.mean(axis=1, keepdims=True)
-        height = rows.shape[1]
-        spectrum = np.abs(np.fft.rfft(rows * np.hanning(height), n=8 * height, axis=1)).mean(axis=0)
-        for k in range(6, min(8 * 60, len(spectrum))):
-            period = round(8 * height / k, 2)
-            depths[period] = depths.get(period, 0.0) + float(spectrum[k]) * 4 / height / len(seen)
-    return depths
+    height = max((c.real_dn.shape[1] for c in seen), default=0)
+    periods = [round(8 * height / k, 2) for k in range(6, min(8 * 60, 4 * height))]
+    found = [_depths_of(c, periods) for c in seen if c.real_dn.shape[1] == height]
+    return dict(zip(periods, np.mean(found, axis=0).tolist(), strict=True)) if found else {}
+
+
+def _depths_of(capture: ObservedCapture, periods: Sequence[float]) -> NDArray[np.float64]:
+    """(K,) mean over frames of the depths of waves of K `periods` [row]."""
+    assert capture.expected_dn is not None
+    signal = np.maximum(capture.expected_dn.mean(axis=0).mean(axis=-1), 1.0).sum(axis=1)
+    rows = (capture.real_dn - capture.expected_dn).mean(axis=-1).sum(axis=2) / signal
+    if len(rows) > 2:
+        return amplitudes(rows - rows.mean(axis=0), periods).mean(axis=0)
+    return amplitudes(rows, periods, SHADING_DEGREE).mean(axis=0)

@@ -78,6 +78,17 @@ def test_many_captures_share_the_samples_that_are_measured():
     assert halved.valid.size == pytest.approx(seen / 2, rel=0.1)
 
 
+@pytest.mark.parametrize("height", [480, 1600])
+def test_of_a_wall_whose_lamp_flickers_all_rows_are_measured(height):
+    wave = 1 + 0.03 * np.sin(2 * np.pi * np.arange(height) / (height / 3.4))
+    steady, flickers = (capture(height, 2 * height) for _ in range(2))
+    flickers.real_dn[...] *= wave[:, None, None]
+    (rows, _), (few, _) = (measured_part(each, LEAST_PIXELS) for each in (flickers, steady))
+    assert rows == slice(0, height)
+    assert few.stop - few.start < height / 2
+    assert as_kept(flickers).valid.shape[0] == height
+
+
 def test_a_band_lies_where_a_picture_shows_edges():
     scene = capture(1200, 1600, "scene")
     scene.expected_dn[0, 900:1000, 200:1400:8] = 30.0

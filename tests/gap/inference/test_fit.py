@@ -13,10 +13,10 @@ from tacos_framework.settings import Settings, setting
 from tacos_gap.attribution.fits import Fits
 from tacos_gap.evidence import Label, ReplicateResiduals
 from tacos_gap.hypotheses.parameters import HypothesisTerm
-from tacos_gap.inference.fit import DRAWS, finished, fit, rescored
+from tacos_gap.inference.fit import DRAWS, finished, fit, rescored, squares_in_own_units
 from tacos_gap.inference.intervals import FEWEST, half_widths, spread_between
 from tacos_gap.inference.jacobian import jacobian_of
-from tacos_gap.inference.problem import Problem
+from tacos_gap.inference.problem import Problem, robust
 from tacos_gap.inference.pruning import restored
 
 
@@ -344,6 +344,24 @@ def test_in_units_of_a_larger_floor_the_score_of_the_null_shrinks():
     again = rescored(wider, null, of.scale)
     assert again.z == pytest.approx(null.z / 2)
     assert again.score > null.score
+
+
+def test_an_effect_of_chance_pays_for_how_far_numbers_spread_with_it():
+    """What misses by ten floors gains by an effect that spreads it tenfold; what misses by none pays."""
+    of = Problem([Curve(1.0, 0.0, 0)])
+    far, near = np.full(len(of.labels), 10.0), np.zeros(len(of.labels))
+    of.spread["lamp"] = np.full(len(of.labels), 10.0)
+    in_narrow = {z[0]: squares_in_own_units(of, ["lamp"], z).sum() for z in (far, near)}
+    assert in_narrow[10.0] < np.sum(robust(far) ** 2)
+    assert in_narrow[0.0] == pytest.approx(len(near) * 2 * np.log(10))
+    wide = of.reweighted(np.full(len(of.labels), 10.0), ["lamp", "other"])
+    assert wide.own_units(["lamp"]) == pytest.approx(1)
+    assert wide.own_units(["other"]) == pytest.approx(0.1)
+    apart = [
+        squares_in_own_units(of, names, far).sum() - squares_in_own_units(wide, names, far / 10).sum()
+        for names in (["lamp"], ["other"])
+    ]
+    assert apart[0] == pytest.approx(apart[1]), "whose units are those of now matters to no difference"
 
 
 def test_captures_of_a_kind_alternate_between_folds_and_single_ones_are_split():

@@ -48,10 +48,17 @@ def test_walls_that_are_shaded_otherwise_are_captures_of_their_own(tmp_path, oth
     assert found == [("flat", ["a_10ms", "b_10ms"]), ("flat", ["c_10ms", "d_10ms"])]
 
 
-def test_walls_under_a_lamp_that_flickers_from_row_to_row_are_frames_of_one(tmp_path):
-    flickering = (120 * LAMP * (1 + 0.012 * np.sin(3 * DOWN + phase)) for phase in (0, 2))
+@pytest.mark.parametrize("depth", [0.012, 0.03])
+def test_walls_under_a_lamp_that_flickers_from_row_to_row_are_frames_of_one(tmp_path, depth):
+    flickering = (120 * LAMP * (1 + depth * np.sin(8 * DOWN + phase)) for phase in (0, 2))
     first, second = flickering
     assert stacks(tmp_path, a_10ms=first, b_10ms=second) == [("flat", ["a_10ms", "b_10ms"])]
+
+
+def test_a_wall_that_is_lit_from_above_and_then_from_below_is_two(tmp_path):
+    lit = (120 * FALL_OFF * (1 + slope * DOWN) for slope in (0.04, -0.04))
+    first, second = lit
+    assert len(stacks(tmp_path, a_10ms=first, b_10ms=second)) == 2
 
 
 def test_a_wall_that_was_turned_is_none_of_the_bracket(tmp_path):

@@ -41,7 +41,7 @@ def test_codes_are_those_of_pixels_that_count():
 
 
 @pytest.mark.parametrize(("count", "channels"), [(2, 3), (5, 1)])
-def test_noise_is_what_frames_in_steady_light_differ_from_their_mean_by(count, channels, monkeypatch):
+def test_noise_is_what_pixels_in_steady_light_differ_from_their_mean_and_row_by(count, channels, monkeypatch):
     rng = np.random.default_rng(8)
     monkeypatch.setattr("tacos_gap.statistics.sampled.NOISE_SAMPLES", 10_000)
     of = capture("flat", "flat", 110.0, frames=count)
@@ -51,5 +51,8 @@ def test_noise_is_what_frames_in_steady_light_differ_from_their_mean_by(count, c
     sample = Sample(of, frames, np.full((1, *shape[1:]), 110.0, np.float32))
     assert 0 < sample.bands.size < HEIGHT
     steady = in_steady_light(of, frames, sample.light_of_frames)
-    wanted = (steady - frames.mean(axis=0)) * np.sqrt(count / (count - 1))
+    wanted = steady - frames.mean(axis=0)
+    wanted = (wanted - wanted.mean(axis=2, keepdims=True)) * np.sqrt(
+        count / (count - 1) * WIDTH / (WIDTH - 1)
+    )
     np.testing.assert_allclose(sample.temporal, wanted[:, sample.bands.ravel()], atol=2e-4)
