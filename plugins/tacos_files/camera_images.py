@@ -74,6 +74,15 @@ def has_one_value(image: NDArray[Any]) -> bool:
     return bool(np.mean(image == np.median(image)) > _ONE_VALUE)
 
 
+def roughness(image: NDArray[np.integer]) -> float:
+    """Mean difference of pixels two columns apart, as the photosites of one colour are, over the mean.
+
+    Of an image (H, W) whose samples have their two bytes exchanged it is that of random numbers.
+    """
+    exact = image.astype(np.float64)
+    return float(np.abs(exact[:, 2:] - exact[:, :-2]).mean() / max(exact.mean(), 1e-9))
+
+
 def read_frame(path: Path, where: str, within: Path | None = None) -> NDArray[Any]:
     """A frame in the digital numbers of a camera: (H, W, C) uint8 or uint16 in this machine's byte order.
 

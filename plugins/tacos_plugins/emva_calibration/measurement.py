@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_files.camera_images import has_one_value, read_frame, usual_bit_depth
+from tacos_files.camera_images import has_one_value, read_frame, roughness, usual_bit_depth
 from tacos_framework import Fault, UserError
 from tacos_plugins.emva_calibration.frame_table import TABLE, FrameGroup
 from tacos_plugins.emva_calibration.moments import Frame, Moments, moments_of
@@ -183,7 +183,7 @@ class _FrameReader:
                 image = read_frame(group.files[0], str(group.files[0]), self.folder)[..., 0]
             except UserError:  # reported where all frames are read
                 continue
-            as_stored, swapped = _roughness(image), _roughness(image.byteswap())
+            as_stored, swapped = roughness(image), roughness(image.byteswap())
             if max(as_stored, swapped) > _FAR_ROUGHER * min(as_stored, swapped):
                 self.swapped = as_stored > swapped
                 return
@@ -256,9 +256,3 @@ class _FrameReader:
                     f"Take it anew, or take its line out of {TABLE}.",
                 )
             )
-
-
-def _roughness(image: NDArray[np.integer]) -> float:
-    """Mean difference of pixels two columns apart, as the photosites of one colour are, over the mean."""
-    exact = image.astype(np.float64)
-    return float(np.abs(exact[:, 2:] - exact[:, :-2]).mean() / max(exact.mean(), 1e-9))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_files.camera_images import roughness
 from tacos_framework import Fault
 from tacos_worlds.recorded.recording import ExposedFrames
 from tacos_worlds.recorded.response import Response
@@ -17,6 +19,11 @@ _LARGEST_MISMATCH = 0.15
 """Exposures whose light per time differs by more do not belong to one scene and one response [1]."""
 _OVEREXPOSED = 0.5
 """Share of clipped samples from which a frame shows nothing that can be replayed [1]."""
+_NUMBERED = re.compile(r"(.*?)(\d+)")
+_MOST_FALLS = 0.25
+"""Share of numbers that fall from frame to frame from which on names have no order [1]."""
+_ROUGHER = 2.0
+"""Roughness of files as they are over that with their bytes exchanged, from which on they are so by fault."""
 _MAINS_WAVES_HZ = (100.0, 120.0)
 _PARTS, _FEWEST_VIEWS = 12, 4
 _ALIKE, _APART = 0.6, 0.3
@@ -63,6 +70,54 @@ def faults_of_stamps(table: Path, files: Sequence[str], stamps_ns: Sequence[int]
             "If two cameras are under one name, keep the frames of one.",
         )
     ]
+
+
+def out_of_order(table: Path, files: Sequence[str]) -> list[Fault]:
+    """Frames whose numbers do not rise with their stamps, where those of most do.
+
+    A count that begins again, after the last number or for another take, is no such fault.
+
+    `files`: names of the frames of one exposure, in the order of their stamps.
+    """
+    counted = [_NUMBERED.fullmatch(Path(file).stem) for file in files]
+    numbers = [int(each[2]) for each in counted if each]
+    if len(numbers) < len(files) or len({each[1] for each in counted if each}) > 1:
+        return []
+    falls = [
+        k
+        for k in range(1, len(numbers))
+        if numbers[k] < numbers[k - 1]
+        and (max(numbers[k:]) > numbers[k - 1] or (k > 1 and numbers[k] > numbers[k - 2]))
+    ]
+    if len(falls) > _MOST_FALLS * len(numbers):
+        return []
+    return [
+        Fault(
+            f"{table}: {files[k]}",
+            f"was taken after {files[k - 1]}, by its stamp",
+            "stamps that rise with the numbers of the files",
+            "Look whether times or names were mixed up.",
+        )
+        for k in falls
+    ]
+
+
+def bytes_exchanged(path: Path, found: Mapping[str, ExposedFrames]) -> Fault | None:
+    """The fault of files that are far smoother with the two bytes of each sample exchanged."""
+    orders = [
+        tuple(roughness(each) for each in (middle, middle.byteswap()))
+        for middle in (each.codes_dn[len(each.codes_dn) // 2] for each in found.values())
+    ]
+    is_rougher = any(stored > _ROUGHER * exchanged for stored, exchanged in orders)
+    if not is_rougher or any(exchanged > _ROUGHER * stored for stored, exchanged in orders):
+        return None
+    return Fault(
+        str(path),
+        "neighbouring pixels differ at random, and as little as in any picture once the two bytes of each "
+        "sample are exchanged",
+        "samples in the byte order of their format",
+        "Save the frames anew with the bytes exchanged (numpy: frame.byteswap()).",
+    )
 
 
 def overexposed(path: Path, frames: ExposedFrames, clipping_dn: NDArray[np.int64]) -> Fault | None:

@@ -15,8 +15,10 @@ from tacos_framework.files import read_text
 from tacos_worlds.recorded.consistency import (
     alternating,
     by_lamp,
+    bytes_exchanged,
     faults_of_brightness,
     faults_of_stamps,
+    out_of_order,
     overexposed,
     together,
 )
@@ -63,7 +65,8 @@ def read_recording(
     common: tuple[int, ...] | None = None
     for exposure_ms in sorted({entry.exposure_ms for entry in entries}):
         own = sorted((e for e in entries if e.exposure_ms == exposure_ms), key=lambda e: e.stamp_ns)
-        here = list(faults_of_stamps(path / TIMES, [e.file for e in own], [e.stamp_ns for e in own]))
+        here = faults_of_stamps(path / TIMES, [e.file for e in own], [e.stamp_ns for e in own])
+        here += out_of_order(path / TIMES, [e.file for e in own])
         images, seen = [], dict[str, str]()
         for entry in own:
             try:
@@ -118,6 +121,8 @@ def read_recording(
         if len(images) == len(own):
             stamp_s = np.array([(e.stamp_ns - start_ns) * 1e-9 for e in own])
             found[f"{exposure_ms:g}"] = ExposedFrames(exposure_ms, stamp_s, np.stack(images))
+    if exchanged := bytes_exchanged(path, found):
+        raise UserError([*faults, exchanged])
     found, bits = _at_depth(path, found, bit_depth, faults)
     clipping_dn = np.zeros((2, 2), np.int64)
     fit: dict[str, ExposedFrames] = {}  # those whose brightness tells of the response, at whatever times

@@ -10,7 +10,7 @@ import pytest
 
 from tacos_framework import UserError
 from tacos_framework.cli.tacos import main
-from tacos_worlds.recorded.consistency import by_lamp
+from tacos_worlds.recorded.consistency import by_lamp, out_of_order
 from tacos_worlds.recorded.reader import read_recording
 
 EXPOSURES_MS = (1, 2, 4, 8, 16, 32)
@@ -86,6 +86,15 @@ def test_frames_clipped_throughout_are_overexposed_and_no_copies(tmp_path: Path)
     assert "Still usable: 1, 2, 4, 8, 16 ms." in fault
 
 
+def test_exchanged_bytes_are_named_and_nothing_that_follows_from_them(tmp_path: Path) -> None:
+    folder = record(tmp_path / "r", views=(1, 2, 3, 4, 5, 6))
+    for path in folder.glob("*.png"):
+        cv2.imwrite(str(path), cv2.imread(str(path), cv2.IMREAD_UNCHANGED).byteswap())
+    (fault,) = faults_of(folder, response_known=True)
+    assert "once the two bytes of each sample are exchanged" in fault
+    assert "numpy: frame.byteswap()" in fault
+
+
 def test_dropped_frames_leave_the_other_exposures_usable(tmp_path: Path) -> None:
     folder = record(tmp_path / "r")
     table = folder / "times.csv"
@@ -109,3 +118,27 @@ def test_frames_that_were_jpeg_are_said_to_be(tmp_path: Path, capsys) -> None:
     source = record(tmp_path / "r", suffix="jpg")
     assert main(["recordings", "import", str(source), "--out", str(tmp_path / "out")]) == 0
     assert "36 frames are coded with loss" in capsys.readouterr().out
+
+
+def test_stamps_of_two_frames_that_were_mixed_up_are_named(tmp_path: Path) -> None:
+    folder = record(tmp_path / "r", views=(1, 2, 3, 4, 5, 6))
+    table = folder / "times.csv"
+    lines = dict(line.split(",") for line in table.read_text().split())
+    lines["08ms_2.png"], lines["08ms_3.png"] = lines["08ms_3.png"], lines["08ms_2.png"]
+    table.write_text("\n".join(",".join(line) for line in lines.items()) + "\n")
+    (fault,) = faults_of(folder, response_known=True)
+    assert "08ms_2.png: was taken after 08ms_3.png, by its stamp" in fault
+    assert "Look whether times or names were mixed up." in fault
+
+
+@pytest.mark.parametrize(
+    "files",
+    [
+        ["a_8.png", "a_9.png", "a_0.png", "a_1.png"],  # counted on from nought
+        ["a_1.png", "a_2.png", "b_1.png", "b_2.png"],
+        ["7.png", "3.png", "9.png", "1.png", "8.png", "2.png"],  # numbers that say nothing
+        ["first_8ms.png", "second_8ms.png"],
+    ],
+)
+def test_a_count_that_begins_again_is_no_mixed_up_stamp(files: list[str]) -> None:
+    assert out_of_order(Path("times.csv"), files) == []
