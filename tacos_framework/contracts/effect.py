@@ -137,6 +137,9 @@ class EffectBase:
     by_capture: ClassVar[Sequence[str]] = ()
     """Settings a camera sets anew for each picture, as its focus. Where several captures show the effect, a
     diagnosis may fit a value for each; it asks ``guesses_from`` of each capture by itself."""
+    frames_differ: ClassVar[bool] = False
+    """True where luck decides what each frame shows, as the phase of a lamp does. A diagnosis then counts how
+    far frames spread as part of what the effect predicts."""
     series: ClassVar[Sequence[Sequence[str]]] = ()
     """Coefficients of rising powers, lowest first. A diagnosis drops the highest that it does not need first:
     without a lower one the others would take its part."""

@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import FILE_STAGES
+from tacos_framework import FILE_STAGES, EffectBase, optional
 from tacos_gap.attribution.fits import Fits
 from tacos_gap.attribution.needed import is_plainly_needed
 from tacos_gap.attribution.pairs import best_pair
 from tacos_gap.attribution.selection_rule import (
     COMPLEXITY_PENALTY,
     fits_a_bit,
+    gains_in_width,
     is_worth_it,
     least_gain,
     shows,
@@ -105,7 +106,6 @@ class Rounds:
         self.each = each
         self.notify = notify
         self.cut_short = False
-        self._asked: set[str] = set()  # effects that were asked whether pictures differ by them
 
     def are_spent(self) -> bool:
         """True if all simulations were made, so that no further effect is looked for: it is cut short."""
@@ -182,34 +182,33 @@ class Rounds:
         return best, residuals
 
     def _note_what_spreads(self, hypothesis: Hypothesis) -> None:
-        """Keep by how much more numbers spread with each effect by which pictures differ from one another."""
+        """Keep by how much more numbers spread with each effect by which frames differ by luck."""
+        for name in {term.name for term in hypothesis if _is_of_luck(term)} - self.problem.spread.keys():
+            floors = (
+                np.maximum(self.problem.replicate_residuals(each).scale, 1.0)
+                for each in (hypothesis, without(hypothesis, name))
+            )
+            self.problem.spread[name] = np.divide(*floors)
 
-        def floor(of: Hypothesis) -> NDArray[np.float64]:
-            return np.maximum(self.problem.replicate_residuals(of).scale, 1.0)
+    def _in_own_units(self, base: Fitted, fitted: Fitted) -> Fitted | None:
+        """A fit with a last effect of luck, from each guess, in units of its own noise floor.
 
-        if np.mean(floor(hypothesis) > WIDER) <= MANY:
-            return
-        for name in {term.name for term in hypothesis} - self.problem.spread.keys():
-            wider = floor(hypothesis) / floor(without(hypothesis, name))
-            if np.mean(wider > WIDER) > MANY:
-                self.problem.spread[name] = wider
-
-    def _of_chance(self, fitted: Fitted) -> Fitted:
-        """A fit whose last effect makes pictures differ from one another: in its own units, from each guess.
-
-        In narrower ones it would be fitted to the luck of one simulation.
+        In narrower ones it would be fitted to the luck of one simulation. None where it gains too little in
+        these units: what is far off seems likelier the wider numbers spread, whatever spreads them.
         """
-        name = fitted.names[-1]
-        if name not in self._asked:
-            self._asked.add(name)
-            self._note_what_spreads(fitted.hypothesis)
-        if name not in self.problem.spread:
+        term = fitted.hypothesis[-1]
+        if not _is_of_luck(term):
             return fitted
+        self._note_what_spreads(fitted.hypothesis)
         scale = self.problem.scale * self.problem.own_units(fitted.names)
         wide = self.problem.averaging(AVERAGED).reweighted(scale, fitted.names)
-        guesses = [fitted.hypothesis[-1], *all_initial_guesses(self.directions[name])]
+        guesses = [term, *all_initial_guesses(self.directions[term.name])]
         fits = self.each(lambda guess: fit(wide, (*fitted.hypothesis[:-1], guess)), guesses)
         best = max((each for each in fits if each is not None), key=lambda each: each.score)
+        without_it = base.held_out * self.problem.scale / scale
+        if not gains_in_width(wide, without_it, best.held_out):
+            del self.problem.spread[term.name]  # and in the place of others it is held to narrow units, too
+            return None
         return self.fits.keep(rescored(self.problem, best, wide.scale))
 
     def take_as_units(self, scale: NDArray[np.float64], names: Collection[str]) -> None:
@@ -239,7 +238,9 @@ class Rounds:
         least = SCREENING_FRACTION * COMPLEXITY_PENALTY
         guesses = self.shortlisted(base, self.free(base, among), least)
         tried = self.fits.compared([(*base.hypothesis, guess) for guess in guesses], near=base)
-        tried = [self._of_chance(fitted) for fitted in tried if shows(self.problem, base, fitted)]
+        shown = [fitted for fitted in tried if shows(self.problem, base, fitted)]
+        own = (self._in_own_units(base, fitted) for fitted in shown)
+        tried = [fitted for fitted in own if fitted is not None]
         if not tried:
             return None
         best = max(tried, key=lambda fitted: fitted.score)
@@ -311,3 +312,7 @@ class Rounds:
         if not fewer:
             return None
         return finished(self.problem, fewer[0]) if fewer[0].hypothesis else self.fits.null
+
+
+def _is_of_luck(term: HypothesisTerm) -> bool:
+    return bool(optional(term.cls, EffectBase, "frames_differ"))

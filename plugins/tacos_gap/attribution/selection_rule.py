@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tacos_gap.attribution.fits import CLOSE
 from tacos_gap.inference.fit import Fitted
@@ -71,6 +72,16 @@ def least_gain(problem: Problem, base: Fitted, touched: Sequence[slice] = (slice
     left = np.concatenate([robust(held_out[slot]) ** 2 for slot in (*touched, slice(0))])
     rest = 0.5 * problem.weight * float(np.sum(left) - len(left))  # squares of the noise floor are 1 each
     return max(COMPLEXITY_PENALTY, LEAST_OF_REST * rest)
+
+
+def gains_in_width(problem: Problem, without_it: NDArray[np.float64], with_it: NDArray[np.float64]) -> bool:
+    """True if an effect of luck gains enough where all is counted in units of its own noise floor.
+
+    `without_it`, `with_it`: (K,) residuals held out [noise floor of the effect].
+    """
+    before, after = (float(np.sum(robust(left) ** 2)) for left in (without_it, with_it))
+    least = max(COMPLEXITY_PENALTY, LEAST_OF_REST * 0.5 * problem.weight * (before - len(with_it)))
+    return 0.5 * problem.weight * (before - after) > least
 
 
 def least_of_a_rival(gained: float) -> float:

@@ -213,8 +213,8 @@ class Problem:
     def own_units(self, names: Collection[str]) -> NDArray[np.float64]:
         """(K,) noise floor of an explanation by some effects, in units of that of now.
 
-        They differ by the effects of `spread`: those by which pictures differ so much from one to the next,
-        as under lamps of unknown phase, that numbers spread by these factors (K,) more with them.
+        They differ by the effects of `spread`, by which frames differ by luck, as under lamps of unknown
+        phase: numbers spread by these factors (K,) more with them.
         """
         units = np.ones(len(self.labels))
         for name, wider in self.spread.items():

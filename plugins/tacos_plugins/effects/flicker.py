@@ -45,6 +45,7 @@ class Flicker:
     rank: ClassVar[int] = 30
     neutral: ClassVar[Mapping[str, Any]] = {"depth": 0.0}
     initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = ({"depth": 0.05, "period_rows": 150.0},)
+    frames_differ: ClassVar[bool] = True
     shown_by: ClassVar[Sequence[ShownBy]] = (LAMPS,)
 
     def __init__(self, config: Config) -> None:
