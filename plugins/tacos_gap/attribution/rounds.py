@@ -207,9 +207,14 @@ class Rounds:
         best = max((each for each in fits if each is not None), key=lambda each: each.score)
         without_it = base.held_out * self.problem.scale / scale
         if not gains_in_width(wide, without_it, best.held_out):
-            del self.problem.spread[term.name]  # and in the place of others it is held to narrow units, too
+            self.forget_luck_but_of(base)
             return None
         return self.fits.keep(rescored(self.problem, best, wide.scale))
+
+    def forget_luck_but_of(self, best: Fitted) -> None:
+        """Hold effects of luck that an explanation does without to the units of all others, from now on."""
+        for name in self.problem.spread.keys() - set(best.names):
+            del self.problem.spread[name]
 
     def take_as_units(self, scale: NDArray[np.float64], names: Collection[str]) -> None:
         """Count in units of another noise floor, that of some effects; simulations are only rescaled."""

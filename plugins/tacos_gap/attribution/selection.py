@@ -28,7 +28,7 @@ from tacos_gap.attribution.rounds import (
     Notify,
     Rounds,
 )
-from tacos_gap.attribution.selection_rule import COMPLEXITY_PENALTY, least_of_a_rival
+from tacos_gap.attribution.selection_rule import COMPLEXITY_PENALTY, least_of_a_rival, wins_by_width
 from tacos_gap.inference.fit import Fitted, finished
 from tacos_gap.inference.problem import Hypothesis, Problem, without
 from tacos_gap.inference.pruning import restored
@@ -125,7 +125,9 @@ class ForwardSelection:
         other, _ = rounds.grown(beginning)
         rounds.take_as_units(np.maximum(units, rounds.problem.scale), {*best.names, *other.names})
         both = [rounds.fits.again(each) for each in (best, other)]
-        better = max(both, key=lambda fitted: fitted.score - COMPLEXITY_PENALTY * len(fitted.hypothesis))
+        both.sort(key=lambda fitted: COMPLEXITY_PENALTY * len(fitted.hypothesis) - fitted.score)
+        better = both[wins_by_width(rounds.problem, *both)]
+        rounds.forget_luck_but_of(better)
         better, residuals = rounds.in_its_units(better)
         return better, unexplained(rounds.problem, residuals)
 

@@ -84,5 +84,14 @@ def gains_in_width(problem: Problem, without_it: NDArray[np.float64], with_it: N
     return 0.5 * problem.weight * (before - after) > least
 
 
+def wins_by_width(problem: Problem, better: Fitted, worse: Fitted) -> bool:
+    """True if one of two explanations is the better one by the width of an effect of luck alone.
+
+    They are in units of the wider of their noise floors.
+    """
+    luck = problem.spread.keys() & set(better.names) - set(worse.names)
+    return bool(luck) and not gains_in_width(problem, worse.held_out, better.held_out)
+
+
 def least_of_a_rival(gained: float) -> float:
     return max(0.0, min(RIVAL_SHARE * gained, gained - CLOSE))
