@@ -27,7 +27,7 @@ from tacos_gap.inference.alternative_guesses import in_its_best_form
 from tacos_gap.inference.codec import codec_of_files
 from tacos_gap.inference.discrete import searched
 from tacos_gap.inference.fit import DRAWS, Fitted, finished, fit, rescored
-from tacos_gap.inference.problem import Hypothesis, Map, Problem, without
+from tacos_gap.inference.problem import Hypothesis, Map, Problem, robust, without
 from tacos_gap.inference.pruning import pruned as less_parameters
 from tacos_gap.inference.screening import (
     ScreeningDirections,
@@ -61,6 +61,12 @@ in units too narrow and by the luck of one simulation: its fit begins anew."""
 
 MANY = 0.05
 """Share of the numbers that must be so much wider."""
+
+BEST_GUESSES = 2
+"""Initial guesses of an effect of luck that fits begin at."""
+
+ASKED_AGAIN = 0.5
+"""Cost of an explanation, over that beside which an effect of luck was refused, at which it is tried anew."""
 
 AVERAGED = 3
 """Simulations whose mean stands for such an explanation while it is fitted."""
@@ -106,6 +112,7 @@ class Rounds:
         self.each = each
         self.notify = notify
         self.cut_short = False
+        self._refused: dict[str, float] = {}  # effects of luck, and the cost of what they were refused beside
 
     def are_spent(self) -> bool:
         """True if all simulations were made, so that no further effect is looked for: it is cut short."""
@@ -191,7 +198,7 @@ class Rounds:
             self.problem.spread[name] = np.divide(*floors)
 
     def _in_own_units(self, base: Fitted, fitted: Fitted) -> Fitted | None:
-        """A fit with a last effect of luck, from each guess, in units of its own noise floor.
+        """A fit with a last effect of luck, from the best guesses, in units of its own noise floor.
 
         In narrower ones it would be fitted to the luck of one simulation. None where it gains too little in
         these units: what is far off seems likelier the wider numbers spread, whatever spreads them.
@@ -199,15 +206,24 @@ class Rounds:
         term = fitted.hypothesis[-1]
         if not _is_of_luck(term):
             return fitted
+        if base.cost > ASKED_AGAIN * self._refused.get(term.name, np.inf):
+            return None
         self._note_what_spreads(fitted.hypothesis)
         scale = self.problem.scale * self.problem.own_units(fitted.names)
         wide = self.problem.averaging(AVERAGED).reweighted(scale, fitted.names)
-        guesses = [term, *all_initial_guesses(self.directions[term.name])]
-        fits = self.each(lambda guess: fit(wide, (*fitted.hypothesis[:-1], guess)), guesses)
+        guesses = [
+            (*fitted.hypothesis[:-1], guess)
+            for guess in (term, *all_initial_guesses(self.directions[term.name]))
+        ]
+        starts = list(zip(self.each(wide.residual, guesses), guesses, strict=True))
+        costs = [(float(np.sum(robust(z) ** 2)), guess) for z, guess in starts if z is not None]
+        nearest = [guess for _, guess in sorted(costs, key=lambda pair: pair[0])[:BEST_GUESSES]]
+        fits = self.each(lambda guess: fit(wide, guess), nearest)
         best = max((each for each in fits if each is not None), key=lambda each: each.score)
         without_it = base.held_out * self.problem.scale / scale
         if not gains_in_width(wide, without_it, best.held_out):
             self.forget_luck_but_of(base)
+            self._refused[term.name] = base.cost
             return None
         return self.fits.keep(rescored(self.problem, best, wide.scale))
 
