@@ -63,7 +63,7 @@ MANY = 0.05
 """Share of the numbers that must be so much wider."""
 
 BEST_GUESSES = 2
-"""Initial guesses of an effect of luck that fits begin at."""
+"""Initial guesses that fits begin at where every simulation is worth several."""
 
 ASKED_AGAIN = 0.5
 """Cost of an explanation, over that beside which an effect of luck was refused, at which it is tried anew."""
@@ -178,11 +178,15 @@ class Rounds:
         best = self.fits.renuisanced(best)
         before = self.problem.scale
         residuals = self.problem.replicate_residuals(best.hypothesis)
+        in_own_units = best.names[-1:] and best.names[-1] in self.problem.spread  # see `_in_own_units`
         self._note_what_spreads(best.hypothesis)
         self.take_as_units(np.maximum(residuals.scale, 1.0), best.names)
         best = self.fits.again(best)
         if best.hypothesis and self.directions and np.mean(self.problem.scale > WIDER * before) > MANY:
-            best = self._begun_anew(best)
+            self.fits.problem = self.problem.averaging(AVERAGED)
+            if in_own_units:
+                return best, residuals
+            best = self.fits.keep(self._from_best_guesses(self.problem, best.hypothesis))
             residuals = self.problem.replicate_residuals(best.hypothesis)
             self.take_as_units(np.maximum(residuals.scale, 1.0), best.names)
             best = self.fits.again(best)
@@ -211,15 +215,7 @@ class Rounds:
         self._note_what_spreads(fitted.hypothesis)
         scale = self.problem.scale * self.problem.own_units(fitted.names)
         wide = self.problem.averaging(AVERAGED).reweighted(scale, fitted.names)
-        guesses = [
-            (*fitted.hypothesis[:-1], guess)
-            for guess in (term, *all_initial_guesses(self.directions[term.name]))
-        ]
-        starts = list(zip(self.each(wide.residual, guesses), guesses, strict=True))
-        costs = [(float(np.sum(robust(z) ** 2)), guess) for z, guess in starts if z is not None]
-        nearest = [guess for _, guess in sorted(costs, key=lambda pair: pair[0])[:BEST_GUESSES]]
-        fits = self.each(lambda guess: fit(wide, guess), nearest)
-        best = max((each for each in fits if each is not None), key=lambda each: each.score)
+        best = self._from_best_guesses(wide, fitted.hypothesis)
         without_it = base.held_out * self.problem.scale / scale
         if not gains_in_width(wide, without_it, best.held_out):
             self.forget_luck_but_of(base)
@@ -238,13 +234,15 @@ class Rounds:
         self.fits.take_as_units(scale, names)
         self.directions = in_units(self.directions, before / self.problem.scale)
 
-    def _begun_anew(self, best: Fitted) -> Fitted:
-        """The explanation with its last effect fitted again, in the units of now, from each initial guess."""
-        self.fits.problem = self.problem.averaging(AVERAGED)
-        *rest, last = best.hypothesis
-        initial_guesses = [last, *all_initial_guesses(self.directions[last.name])]
-        fits = self.each(lambda guess: fit(self.problem, (*rest, guess)), initial_guesses)
-        return self.fits.keep(max((f for f in fits if f is not None), key=lambda fitted: fitted.score))
+    def _from_best_guesses(self, problem: Problem, hypothesis: Hypothesis) -> Fitted:
+        """The best fit with the last effect begun as it stands, or at an initial guess that leaves little."""
+        *rest, last = hypothesis
+        begun = [(*rest, guess) for guess in (last, *all_initial_guesses(self.directions[last.name]))]
+        left = zip(self.each(problem.residual, begun), begun, strict=True)
+        costs = [(float(np.sum(robust(z) ** 2)), each) for z, each in left if z is not None]
+        nearest = [each for _, each in sorted(costs, key=lambda pair: pair[0])[:BEST_GUESSES]]
+        fits = self.each(lambda each: fit(problem, each), nearest)
+        return max((fitted for fitted in fits if fitted is not None), key=lambda fitted: fitted.score)
 
     # rounds -----------------------------------------------------------------------------------------------
 

@@ -26,7 +26,7 @@ from tacos_plugins.effects import observations
 from tacos_plugins.effects.blur import blur, disc_transfer, kernel_of
 from tacos_plugins.effects.depth_of_field import LARGEST_RADIUS_PX, blur_by_depth, signed_radius
 from tacos_plugins.effects.disc import disc_kernel
-from tacos_plugins.effects.disc_radius import disc_radius_px
+from tacos_plugins.effects.disc_radius import BLURRED, SHARP, disc_of
 from tacos_plugins.effects.edge_spread import are_sharpened
 from tacos_plugins.effects.field_blur import blur_over_field
 from tacos_plugins.effects.focus_plane import tilted_plane
@@ -130,13 +130,13 @@ class Defocus:
     def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
         """The radius that the spectra of pictures show beside those expected; the middle one of several.
 
-        And the tilted plane that the radii of a picture's tiles lie in.
+        And the tilted plane that the radii of tiles lie in, of the picture that discs explain best.
         """
-        pictures = structured(captures)
-        radii = [radius for each in pictures if (radius := disc_radius_px(each)) is not None]
-        if radii:
+        discs = [(disc, each) for each in structured(captures) if (disc := disc_of(each)) is not None]
+        if radii := [disc.radius_px for disc, _ in discs if disc.left < BLURRED]:
             yield {"radius_px": float(median(radii))}
-        for plane in filter(None, map(tilted_plane, pictures)):
+        not_sharp = [(disc.left, each) for disc, each in discs if disc.left < SHARP]
+        if not_sharp and (plane := tilted_plane(min(not_sharp, key=lambda pair: pair[0])[1])) is not None:
             yield {"radius_px": plane.radius_px, "slope_x": plane.slope_x, "slope_y": plane.slope_y}
 
     def on_array(

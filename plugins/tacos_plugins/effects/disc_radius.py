@@ -15,8 +15,9 @@ from tacos_plugins.effects.blur import disc_transfer
 RADII_PX = np.geomspace(0.3, 20.0, 55)
 """Radii that are looked at [px]."""
 
-LEAST_SHARE = 0.5
-"""Squares that the best disc may leave of that without any, where there is one."""
+BLURRED, SHARP = 0.5, 0.9
+"""Share of the squares without a disc that the best one leaves: below the first there is one, above the
+second none."""
 
 _RINGS = 40  # bands of frequency
 _LARGEST = 8  # of the shorter side, over the largest radius that it can show
@@ -31,18 +32,17 @@ class DiscFit:
     left: float
 
 
-def disc_radius_px(capture: ObservedCapture) -> float | None:
-    """The radius with which the expectation has the spectrum of the mean frame, up to gain and white noise.
+def disc_of(capture: ObservedCapture) -> DiscFit | None:
+    """The disc with which the expectation has the spectrum of the mean frame, up to gain and white noise.
 
-    Returns: [px]; None where no disc explains the spectrum much better than gain and noise alone.
+    None where nothing is expected.
     """
     if capture.expected_dn is None or not capture.valid.any():
         return None
     real, expected = (
         power_spectrum(mean_image(each), capture.valid) for each in (capture.real_dn, capture.expected_dn)
     )
-    (fit,) = disc_fits([(real, expected)])
-    return fit.radius_px if fit is not None and fit.left < LEAST_SHARE else None
+    return disc_fits([(real, expected)])[0]
 
 
 def mean_image(frames: NDArray[np.float32]) -> NDArray[np.float64]:

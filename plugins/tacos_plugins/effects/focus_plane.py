@@ -9,13 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import ObservedCapture
-from tacos_plugins.effects.disc_radius import LEAST_SHARE, disc_fits, mean_image, power_spectrum
+from tacos_plugins.effects.disc_radius import BLURRED, SHARP, disc_fits, mean_image, power_spectrum
 
 _TILES, _TILE_PX = 6, (32, 80)
 """Tiles over the shorter side, and their least and largest side."""
-
-_SHARP = 0.9
-"""Share of squares that the best disc leaves from which on a tile is sharp; less, and it may be either."""
 
 _FEWEST_TILES = 12
 _LEAST_TEXTURE = 0.1
@@ -80,8 +77,8 @@ def _radii_of_tiles(capture: ObservedCapture) -> NDArray[np.float64]:
     found = []
     centre = capture.geometry.centre_px
     for (x, y), fit in zip(places, disc_fits(pairs) if pairs else (), strict=True):
-        if fit is not None and not LEAST_SHARE <= fit.left <= _SHARP:
-            radius = fit.radius_px if fit.left < LEAST_SHARE else 0.0
+        if fit is not None and not BLURRED <= fit.left <= SHARP:
+            radius = fit.radius_px if fit.left < BLURRED else 0.0
             found.append((x - centre[0], y - centre[1], radius))
     return np.array(found).reshape(-1, 3)
 
