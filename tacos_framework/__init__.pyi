@@ -75,6 +75,7 @@ from .data_frames import Tables as Tables
 from .environment import DEVICE_VARIABLE as DEVICE_VARIABLE
 from .environment import EnvironmentFinding as EnvironmentFinding
 from .environment import Gpu as Gpu
+from .environment import usable_cores as usable_cores
 from .errors import CandidateFailed as CandidateFailed
 from .errors import Fault as Fault
 from .errors import UserError as UserError

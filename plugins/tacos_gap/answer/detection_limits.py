@@ -10,17 +10,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tacos_framework.formation import PlacedEffect
 from tacos_gap.answer.findings import short
 from tacos_gap.attribution import COMPLEXITY_PENALTY, LEAST_CHANGE
-from tacos_gap.evidence import Evidence, ImageEvidence
+from tacos_gap.evidence import Evidence, PictureEvidence
 from tacos_gap.evidence.boards import BoardEvidence
+from tacos_gap.evidence.elsewhere import of_each
 from tacos_gap.hypotheses.parameters import HypothesisTerm, initial_guesses_of
-from tacos_gap.inference.problem import Map, Problem, placed
+from tacos_gap.inference.problem import Problem, placed
 from tacos_gap.inference.significance import least_significant
 from tacos_gap.inference.unknown import SIGNIFICANT, SLACK, block_index
 
@@ -31,7 +34,7 @@ _NEARER = 0.3  # share of the way to a guess at which the power is taken
 
 
 def detection_limits(
-    problem: Problem, effects: Mapping[str, type[Any]], left: NDArray[np.float64], each: Map = map
+    problem: Problem, effects: Mapping[str, type[Any]], left: NDArray[np.float64]
 ) -> dict[str, dict[str, float]]:
     """The least value of the main parameter of each effect that would have shown.
 
@@ -45,8 +48,9 @@ def detection_limits(
     unit of that parameter; effects that no capture shows, and those without such a parameter, are left out.
     """
     terms = [term for name, cls in effects.items() if (term := _beginning(name, cls)) is not None]
-    probe = _Probe.of(problem, left)
-    limits = each(lambda term: _limit(probe, term), terms)
+    nearer = [term.with_free([_on_the_way(term, _NEARER)]) for term in terms]
+    sizes = _Probe.of(problem, left).sizes([*terms, *nearer])
+    limits = map(_limit, terms, sizes[: len(terms)], sizes[len(terms) :])
     return {
         term.name: {_main(term): limit}
         for term, limit in zip(terms, limits, strict=True)
@@ -66,16 +70,19 @@ def _main(term: HypothesisTerm) -> str:
     return next(iter(term.free))
 
 
-def _limit(probe: _Probe, term: HypothesisTerm) -> float | None:
+def _on_the_way(term: HypothesisTerm, share: float) -> float:
+    """Value of the main parameter a share of the way from neutral to the guess."""
     neutral = float(term.cls.neutral[_main(term)])
-    distance = float(term.values[_main(term)]) - neutral
-    there = probe.size(term)
-    nearer = probe.size(term.with_free([neutral + _NEARER * distance]))
+    return neutral + share * (float(term.values[_main(term)]) - neutral)
+
+
+def _limit(term: HypothesisTerm, there: float, nearer: float) -> float | None:
+    """The limit from the sizes of an effect at its guess, and nearer to neutral."""
     if not there:
         return None
     power = np.log(there / nearer) / np.log(1 / _NEARER) if nearer else 1.0
     share = there ** (-1 / float(np.clip(power, *EXPONENTS)))
-    found = term.with_free([neutral + share * distance])
+    found = term.with_free([_on_the_way(term, share)])
     return short(found.theta[0]) if found.placed() is not None else None
 
 
@@ -113,14 +120,16 @@ class _Probe:
                 chosen.append(replace(brightest, count=len(members)))
         return cls(chosen, problem.weight)
 
-    def size(self, term: HypothesisTerm) -> float:
-        """Size of an effect: 1 where it would just be named, 0 for one that shows nowhere."""
-        effects = placed((term,))
-        if not effects:
-            return 0.0
+    def sizes(self, terms: Sequence[HypothesisTerm]) -> list[float]:
+        """Sizes of effects: 1 where one would just be named, 0 for one that shows nowhere."""
+        effects = [placed((term,)) for term in terms]
+        of_parts = of_each(partial(_residuals, effects), [part.evidence for part in self.parts])
+        return [self._size([of_part[k] for of_part in of_parts]) for k in range(len(terms))]
+
+    def _size(self, residuals: Sequence[NDArray[np.float64]]) -> float:
         squares, largest, significant = 0.0, 0.0, 0.0
-        for part in self.parts:
-            change = ((part.evidence.residual(effects) - part.null) / part.scale) ** 2
+        for part, z in zip(self.parts, residuals, strict=True):
+            change = ((z - part.null) / part.scale) ** 2
             by_block = np.bincount(part.blocks, change)
             squares += part.count * float(change.sum())
             largest = max(largest, float((by_block / np.bincount(part.blocks)).max()))
@@ -141,9 +150,14 @@ class _Part:
     needed: NDArray[np.float64]  # (M,) what the squares of each block must grow by to be significant
 
 
+def _residuals(effects: Sequence[list[PlacedEffect]], evidence: Evidence) -> list[NDArray[np.float64]]:
+    """(K,) residuals with each of some sets of effects; an effect that refuses its values is none."""
+    return [evidence.residual(each) for each in effects]
+
+
 def _brightness(evidence: Evidence) -> float:
     """Expected signal times exposure time: of darks the longest, of others the brightest."""
-    if not isinstance(evidence, ImageEvidence):
+    if not isinstance(evidence, PictureEvidence):
         return 0.0
     capture = evidence.capture
     assert capture.expected_dn is not None

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tacos_framework import culprit_of, generator, in_one_thread
+from tacos_framework import culprit_of, generator, in_one_thread, usable_cores
 from tacos_gap.answer.causes import cause_set_of, causes_of
 from tacos_gap.answer.detection_limits import detection_limits
 from tacos_gap.answer.findings import LEAST_PRESENT, Cause, Diagnosis, SoFar
@@ -38,8 +38,9 @@ from tacos_gap.captures.large import (
 )
 from tacos_gap.captures.mean_of_files import without_clipped_expectation
 from tacos_gap.captures.sharp_edges import with_sharp_edges
-from tacos_gap.evidence import Evidence, ImageEvidence
+from tacos_gap.evidence import Evidence, ImageEvidence, PictureEvidence
 from tacos_gap.evidence.boards import BoardEvidence, boards_found, evidence_of_boards, hidden_by_pose
+from tacos_gap.evidence.elsewhere import EvidenceProcess, measured, of_each, processes_beside, ready
 from tacos_gap.hypotheses.candidates import Candidates
 from tacos_gap.hypotheses.closed_forms import ClosedForm, closed_forms, excluded, seen_terms
 from tacos_gap.hypotheses.kept import KeptTerm, kept_terms
@@ -71,6 +72,9 @@ _BEYOND = (
 
 CLOSED_FORMS = "closed-form estimates"
 
+MOST_PROCESSES = 4
+"""Processes that a diagnosis uses by itself: each takes .2 GiB beside its captures."""
+
 Notify = Callable[[str], None]
 
 
@@ -80,7 +84,7 @@ def diagnose(
     effects: Mapping[str, type[Any]] | Candidates,
     *,
     seed: int = 0,
-    workers: int = 2,
+    workers: int | None = 1,
     notify: Notify | None = None,
     simulations: int | None = None,
     keep: Callable[[SoFar], None] | None = None,
@@ -92,7 +96,8 @@ def diagnose(
     those that surely are not are not looked for. An effect that raises is left out, and named in the
     limitations.
 
-    - `workers`: Threads. Each measures captures of its own.
+    - `workers`: processes, each of which simulates captures of its own; None for one for each core, at most
+      four. It is this one alone where effects cannot travel to others.
     - `simulations`: those of all captures after which no further effect is looked for; by default as many as
       take about a minute of processor time.
     - `keep`: given what is known so far, first what arithmetic tells, then each explanation that is found.
@@ -105,6 +110,7 @@ def diagnose(
     installed = considered.effects
     for beyond, by in _BEYOND:
         considered = considered.without_these(beyond(folder.captures, considered.effects), by)
+    others = processes_beside(_others_in_use(folder, workers), _needed(installed, folder.captures))
     folder = boards_found(folder)
     tell(CLOSED_FORMS)
     told = _told(considered, folder.captures)
@@ -115,17 +121,17 @@ def diagnose(
 
     kept(())
     tell("measuring the captures")
-    evidence, limitations = gather(folder, seed, workers)
+    evidence, limitations = gather(folder, seed, ready(others))
     if not any(each.labels for each in evidence) or all(map(is_cut_off, folder.captures)):
         raise nothing_measured(folder, limitations)
-    problem = Problem(evidence, workers)
+    problem = Problem(evidence)
     affordable = simulations or affordable_simulations(evidence)
     while True:
         try:
             looked_for = considered.excluding(excluded(told))
             terms = kept_terms(begun, looked_for) or seen_terms(told, looked_for)
-            search = ForwardSelection(problem, looked_for, workers, tell, affordable, terms, kept)
-            found = _explained(search, folder.captures, considered.effects, installed, seed, workers, tell)
+            search = ForwardSelection(problem, looked_for, tell, affordable, terms, kept)
+            found = _explained(search, folder.captures, considered.effects, installed, seed, tell)
         except Exception as error:
             culprit = culprit_of(error)
             name = culprit.use.removeprefix("effect.") if culprit else ""
@@ -156,7 +162,6 @@ def _explained(
     effects: Mapping[str, type[Any]],
     installed: Mapping[str, type[Any]],
     seed: int,
-    workers: int,
     tell: Notify,
 ) -> Diagnosis:
     tell("trying effects")
@@ -203,7 +208,7 @@ def _explained(
         attribution=attribution,
         closure_interval=closed.interval,
         not_held_out=_not_held_out(held),
-        detectable=_detectable(problem, effects, best.z, workers),
+        detectable=detection_limits(problem, effects, best.z),
         nuisances=nuisances,
     )
 
@@ -225,26 +230,37 @@ def _cut_short(attribution: Attribution) -> list[str]:
     ]
 
 
-def _detectable(
-    problem: Problem, effects: Mapping[str, type[Any]], left: NDArray[np.float64], workers: int
-) -> dict[str, dict[str, float]]:
-    with ThreadPoolExecutor(workers) as pool:
-        return detection_limits(problem, effects, left, pool.map)
+def _others_in_use(folder: CaptureFolder, workers: int | None) -> int:
+    """Number of processes beside this one that have captures to simulate."""
+    most = workers or min(usable_cores(), MOST_PROCESSES)
+    return max(min(most, sum(capture.kind != "board" for capture in folder.captures)) - 1, 0)
+
+
+def _needed(effects: Mapping[str, type[Any]], captures: Sequence[RealCapture]) -> list[Any]:
+    """What a process must know to simulate captures."""
+    return [*effects.values(), *(capture.sensor for capture in captures if capture.sensor is not None)]
 
 
 def _nuisances(problem: Problem, best: Fitted) -> dict[str, dict[str, Any]]:
-    each = [e for e in problem.evidence if isinstance(e, (ImageEvidence, BoardEvidence))]
-    found = {e.capture.id: e.nuisances(placed_in(best.hypothesis, e)) for e in each}
-    return {name: values for name, values in found.items() if values}
+    each = [e for e in problem.evidence if isinstance(e, (PictureEvidence, BoardEvidence))]
+    found = of_each(partial(_nuisances_beside, best.hypothesis), each)
+    return {e.capture.id: values for e, values in zip(each, found, strict=True) if values}
 
 
-def gather(folder: CaptureFolder, seed: int, workers: int = 1) -> tuple[list[Evidence], list[str]]:
+def _nuisances_beside(hypothesis: Hypothesis, evidence: PictureEvidence | BoardEvidence) -> dict[str, Any]:
+    return evidence.nuisances(placed_in(hypothesis, evidence))
+
+
+def gather(
+    folder: CaptureFolder, seed: int, processes: Sequence[EvidenceProcess] = ()
+) -> tuple[list[Evidence], list[str]]:
+    """Evidence of the captures, in this process and in others; and in sentences, what was left out."""
     found = boards_found(folder).captures
     captures = searched_over(found)
     enough = enough_pixels(captures)
-    with ThreadPoolExecutor(workers) as pool:
-        pictures = list(pool.map(lambda capture: _evidence_of(capture, seed, enough), captures))
-    images = [each for each in pictures if isinstance(each, ImageEvidence)]
+    pictures = [_prepared(capture, enough) for capture in captures if capture.kind != "board"]
+    prepared = [each for each in pictures if not isinstance(each, str)]
+    images = measured(partial(_measured, seed), prepared, processes)
     boards = evidence_of_boards([capture for capture in captures if capture.corners is not None], seed)
     said = not_searched_over(found, captures)
     said += [each for each in pictures if isinstance(each, str)]
@@ -254,7 +270,7 @@ def gather(folder: CaptureFolder, seed: int, workers: int = 1) -> tuple[list[Evi
     return [*images, *boards], [*said, *(text for each in images if (text := _not_taken(each)))]
 
 
-def _not_taken(evidence: ImageEvidence) -> str:
+def _not_taken(evidence: PictureEvidence) -> str:
     """In a sentence, which statistics of a capture could not be taken; empty where all were."""
     if not (names := evidence.left_out):
         return ""
@@ -262,34 +278,36 @@ def _not_taken(evidence: ImageEvidence) -> str:
     return f"{evidence.capture.id}: not compared, as some simulations gave no number: {listed}."
 
 
-def _evidence_of(capture: RealCapture, seed: int, enough: int) -> ImageEvidence | str | None:
-    """The evidence of a picture, or in a sentence why there is none; None of boards.
+def _prepared(capture: RealCapture, enough: int) -> RealCapture | str:
+    """The part of a picture that is measured, or in a sentence why it is left out."""
+    with _naming(capture):
+        if (reason := nothing_seen(capture)) is not None:
+            return reason
+        if capture.expected_dn is None:
+            capture = with_sharp_edges(capture)
+        if (reason := nothing_seen(capture)) is not None:
+            return reason
+        capture = without_clipped_expectation(capture)
+        if not capture.valid.any():
+            return f"{capture.id}: white has cut off the files its expectation is a mean of; it is left out."
+        if (part := measured_part(capture, enough)) is not None:
+            capture = part_of(capture, part)
+        return with_even_light(capture).of_at_most(enough)
 
-    What is raised names the capture.
-    """
+
+def _measured(seed: int, capture: RealCapture) -> PictureEvidence:
+    with _naming(capture):
+        return ImageEvidence(capture, seed).renuisanced(())
+
+
+@contextmanager
+def _naming(capture: RealCapture) -> Iterator[None]:
+    """What is raised inside names the capture."""
     try:
-        return _measured(capture, seed, enough)
+        yield
     except Exception as error:
         error.add_note(f"while measuring the capture {capture.id!r}")
         raise
-
-
-def _measured(capture: RealCapture, seed: int, enough: int) -> ImageEvidence | str | None:
-    if capture.kind == "board":
-        return None
-    if (reason := nothing_seen(capture)) is not None:
-        return reason
-    if capture.expected_dn is None:
-        capture = with_sharp_edges(capture)
-    if (reason := nothing_seen(capture)) is not None:
-        return reason
-    capture = without_clipped_expectation(capture)
-    if not capture.valid.any():
-        return f"{capture.id}: white has cut off the files that its expectation is a mean of; it is left out."
-    if (part := measured_part(capture, enough)) is not None:
-        capture = part_of(capture, part)
-    capture = with_even_light(capture)
-    return ImageEvidence(capture.of_at_most(enough), seed).renuisanced(())
 
 
 def _verdict(causes: Sequence[Cause], before: float, after: float, left: Unexplained) -> str:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tacos_gap.inference.discrete import searched
 from tacos_gap.inference.fit import Fitted, fit, rescored, settled
-from tacos_gap.inference.problem import Hypothesis, Map, Problem
+from tacos_gap.inference.problem import Hypothesis, Problem
 
 CLOSE = 30.0
 """Effects whose first fits score so much less than another are no rivals of it [nat]; all others are
@@ -19,10 +19,9 @@ compared by several simulations."""
 class Fits:
     """Fits hypotheses, each set of effects once."""
 
-    def __init__(self, problem: Problem, each: Map = map):
+    def __init__(self, problem: Problem):
         self.problem = problem
         self.known: dict[tuple[str, ...], Fitted] = {}
-        self._each = each
         null = fit(problem, ())
         assert null is not None
         self.keep(null)
@@ -54,14 +53,13 @@ class Fits:
         fits = self.fitted(hypotheses, near)
         best = max(fitted.score for fitted in (*fits, near))
         close = [fitted for fitted in fits if fitted.score > best - CLOSE]
-        for ended in self._each(lambda fitted: settled(self.problem, fitted), close):
-            self.keep(ended)
+        for each in close:
+            self.keep(settled(self.problem, each))
         return [self.again(fitted) for fitted in fits]
 
     def fitted(self, hypotheses: Sequence[Hypothesis], near: Fitted) -> list[Fitted]:
-        wanted = [h for h in hypotheses if _key(h) not in self.known]
-        for fitted in self._each(lambda hypothesis: self._fit(hypothesis, near), wanted):
-            if fitted is not None:
+        for hypothesis in hypotheses:
+            if _key(hypothesis) not in self.known and (fitted := self._fit(hypothesis, near)) is not None:
                 self.keep(fitted)
         return [self.known[_key(h)] for h in hypotheses if _key(h) in self.known]
 
@@ -75,9 +73,7 @@ class Fits:
 
     def _least_of_fewer(self, hypothesis: Hypothesis) -> float:
         names = {term.name for term in hypothesis}
-        return min(
-            (fitted.cost for key, fitted in list(self.known.items()) if names > set(key)), default=np.inf
-        )
+        return min((fitted.cost for key, fitted in self.known.items() if names > set(key)), default=np.inf)
 
     def renuisanced(self, best: Fitted) -> Fitted:
         """An explanation fitted again where the nuisances of captures moved beside it.

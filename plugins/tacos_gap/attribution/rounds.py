@@ -21,13 +21,13 @@ from tacos_gap.attribution.selection_rule import (
     shows,
 )
 from tacos_gap.attribution.shortlist import shortlist
-from tacos_gap.evidence import Evidence, ImageEvidence, ReplicateResiduals
+from tacos_gap.evidence import Evidence, PictureEvidence, ReplicateResiduals
 from tacos_gap.hypotheses.parameters import HypothesisTerm
 from tacos_gap.inference.alternative_guesses import in_its_best_form
 from tacos_gap.inference.codec import codec_of_files
 from tacos_gap.inference.discrete import searched
 from tacos_gap.inference.fit import DRAWS, Fitted, finished, fit, rescored
-from tacos_gap.inference.problem import Hypothesis, Map, Problem, robust, without
+from tacos_gap.inference.problem import Hypothesis, Problem, robust, without
 from tacos_gap.inference.pruning import pruned as less_parameters
 from tacos_gap.inference.screening import (
     ScreeningDirections,
@@ -79,7 +79,7 @@ Notify = Callable[[str], None]
 
 def affordable_simulations(evidence: Sequence[Evidence]) -> int:
     """Number of simulations of all captures made before no further effect is looked for."""
-    samples = sum(each.capture.real_dn.size for each in evidence if isinstance(each, ImageEvidence))
+    samples = sum(each.capture.real_dn.size for each in evidence if isinstance(each, PictureEvidence))
     return min(SIMULATIONS, max(LEAST_SIMULATIONS, AFFORDABLE_SAMPLES // max(samples, 1)))
 
 
@@ -99,17 +99,15 @@ class Rounds:
         self,
         problem: Problem,
         effects: Mapping[str, type[Any]],
-        each: Map,
         notify: Notify,
         simulations: int,
         begun: Hypothesis = (),
     ):
         self._begun = begun
         self._last = problem.simulations + simulations
-        self.fits = Fits(problem, each)
+        self.fits = Fits(problem)
         self.effects = effects
         self.directions: ScreeningDirections = {}
-        self.each = each
         self.notify = notify
         self.cut_short = False
         self._refused: dict[str, float] = {}  # effects of luck, and the cost of what they were refused beside
@@ -135,7 +133,7 @@ class Rounds:
             if self.are_spent():
                 return best, left
             if not self.directions:
-                self.directions = try_all(self.problem, self.effects, self.each)
+                self.directions = try_all(self.problem, self.effects)
                 if codec := codec_of_files(self.problem, self.directions):
                     best = self.fits.fitted([codec], near=best)[0]
                     self.notify(looking_beside(best))
@@ -238,10 +236,10 @@ class Rounds:
         """The best fit with the last effect begun as it stands, or at an initial guess that leaves little."""
         *rest, last = hypothesis
         begun = [(*rest, guess) for guess in (last, *all_initial_guesses(self.directions[last.name]))]
-        left = zip(self.each(problem.residual, begun), begun, strict=True)
+        left = zip(map(problem.residual, begun), begun, strict=True)
         costs = [(float(np.sum(robust(z) ** 2)), each) for z, each in left if z is not None]
         nearest = [each for _, each in sorted(costs, key=lambda pair: pair[0])[:BEST_GUESSES]]
-        fits = self.each(lambda each: fit(problem, each), nearest)
+        fits = [fit(problem, each) for each in nearest]
         return max((fitted for fitted in fits if fitted is not None), key=lambda fitted: fitted.score)
 
     # rounds -----------------------------------------------------------------------------------------------
@@ -290,7 +288,7 @@ class Rounds:
 
     def shortlisted(self, base: Fitted, names: Sequence[str], least: float) -> list[HypothesisTerm]:
         """Beginnings of fits of those effects that promise most on a base, and `least` at least [nat]."""
-        return shortlist(self.problem, self.directions, base, names, count=TRIED, least=least, each=self.each)
+        return shortlist(self.problem, self.directions, base, names, count=TRIED, least=least)
 
     def free(self, base: Fitted, among: Collection[str] | None = None) -> list[str]:
         wanted = self.directions if among is None else among

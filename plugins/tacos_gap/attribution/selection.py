@@ -9,7 +9,6 @@ explanation.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any
 
@@ -57,7 +56,6 @@ class ForwardSelection:
         self,
         problem: Problem,
         effects: Mapping[str, type[Any]],
-        workers: int = 2,
         notify: Notify | None = None,
         simulations: int = SIMULATIONS,
         begun: Hypothesis = (),
@@ -68,36 +66,34 @@ class ForwardSelection:
         self._keep = keep or (lambda hypothesis: None)
         self._simulations = simulations
         self._notify = notify or (lambda text: None)
-        self._workers = workers
         self._effects = effects
 
     def run(self) -> Attribution:
-        with ThreadPoolExecutor(self._workers) as pool:
-            rounds = self._rounds = Rounds(
-                self._problem, self._effects, pool.map, self._notify, self._simulations, self._begun
-            )
-            best = self._explained(rounds.fits.null)
+        rounds = self._rounds = Rounds(
+            self._problem, self._effects, self._notify, self._simulations, self._begun
+        )
+        best = self._explained(rounds.fits.null)
+        self._keep(best.hypothesis)
+        slots: dict[str, dict[str, Fitted]] = {}
+        for _ in range(LARGEST if best.hypothesis else 0):
+            self._notify(RIVALS)
+            best = rounds.pruned(best)
             self._keep(best.hypothesis)
-            slots: dict[str, dict[str, Fitted]] = {}
-            for _ in range(LARGEST if best.hypothesis else 0):
-                self._notify(RIVALS)
-                best = rounds.pruned(best)
-                self._keep(best.hypothesis)
-                slots = {name: self._rivals(best, name) for name in best.names}
-                better = self._better_rival(best, slots)
-                if better is None or rounds.cut_short:
-                    break
-                best = better
-            best = restored(rounds.problem, finished(rounds.problem, best), COMPLEXITY_PENALTY / 3)
-            whole = best
-            while superfluous := least_needed(rounds.problem, best):
-                if (fewer := rounds.ended_without(best, superfluous)) is None:
-                    break
-                best = fewer
-            if best is not whole:
-                slots = {name: self._rivals(best, name) for name in best.names}
-            found = Attribution.among(best, rounds.fits.null, slots, rounds.fits.known, rounds.problem)
-            return replace(found, directions=rounds.directions, cut_short=rounds.cut_short)
+            slots = {name: self._rivals(best, name) for name in best.names}
+            better = self._better_rival(best, slots)
+            if better is None or rounds.cut_short:
+                break
+            best = better
+        best = restored(rounds.problem, finished(rounds.problem, best), COMPLEXITY_PENALTY / 3)
+        whole = best
+        while superfluous := least_needed(rounds.problem, best):
+            if (fewer := rounds.ended_without(best, superfluous)) is None:
+                break
+            best = fewer
+        if best is not whole:
+            slots = {name: self._rivals(best, name) for name in best.names}
+        found = Attribution.among(best, rounds.fits.null, slots, rounds.fits.known, rounds.problem)
+        return replace(found, directions=rounds.directions, cut_short=rounds.cut_short)
 
     # one explanation, and another ---------------------------------------------------------------------------
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from tacos_gap.hypotheses.parameters import HypothesisTerm
 from tacos_gap.inference.fit import Fitted
-from tacos_gap.inference.problem import Hypothesis, Map, Problem, robust
+from tacos_gap.inference.problem import Hypothesis, Problem, robust
 from tacos_gap.inference.screening import ScreeningDirections, screening_score
 
 
@@ -20,7 +20,6 @@ def shortlist(
     *,
     count: int,
     least: float = 0.0,
-    each: Map = map,
 ) -> list[HypothesisTerm]:
     """Initial guesses of the effects with the highest screening scores on `base`, the highest first.
 
@@ -29,7 +28,7 @@ def shortlist(
     scores = sorted((screening_score(directions[name], base.z) for name in names), key=lambda s: -s.gain)
     worth = 0.5 * problem.weight
     kept = [score.initial_guesses for score in scores[:count] if worth * score.gain > least]
-    return list(each(lambda guesses: _nearest(problem, base.hypothesis, guesses), kept))
+    return [_nearest(problem, base.hypothesis, guesses) for guesses in kept]
 
 
 def _nearest(problem: Problem, rest: Hypothesis, guesses: Sequence[HypothesisTerm]) -> HypothesisTerm:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.formation import PlacedEffect
+from tacos_gap.captures import RealCapture
 
 N_NULL_REPLICATES = 16
 """Null replicates: simulations of each capture that its noise floor is made of."""
@@ -53,3 +55,54 @@ class Evidence(Protocol):
     def replicate_residuals(self, effects: Sequence[PlacedEffect]) -> ReplicateResiduals:
         """Residuals and replicates when these effects are part of the simulator."""
         ...
+
+
+class PictureEvidence(ABC):
+    """Evidence of one capture with expected values, in this process or in another."""
+
+    capture: RealCapture
+    labels: Sequence[Label]
+
+    @property
+    @abstractmethod
+    def real(self) -> NDArray[np.float64]:
+        """(K,) the statistics of the real frames."""
+
+    @property
+    @abstractmethod
+    def sigma(self) -> NDArray[np.float64]:
+        """(K,) one noise-floor unit, in the unit of each statistic."""
+
+    @property
+    @abstractmethod
+    def null_replicates(self) -> NDArray[np.float64]:
+        """See `Evidence`."""
+
+    @property
+    @abstractmethod
+    def left_out(self) -> list[str]:
+        """Names of statistics that some simulations gave no number of."""
+
+    @abstractmethod
+    def residual(self, effects: Sequence[PlacedEffect], draws: int = 1) -> NDArray[np.float64]:
+        """See `Evidence`."""
+
+    @abstractmethod
+    def replicate_residuals(self, effects: Sequence[PlacedEffect]) -> ReplicateResiduals:
+        """See `Evidence`."""
+
+    @abstractmethod
+    def nuisances(self, effects: Sequence[PlacedEffect]) -> dict[str, Any]:
+        """Offsets of the expectation beside effects, as in ``diagnosis.json``; empty if there are none."""
+
+    @abstractmethod
+    def pose(self, effects: Sequence[PlacedEffect]) -> dict[str, float] | None:
+        """Offset of its pose beside effects, by term [standard deviations]; None where it has none."""
+
+    @abstractmethod
+    def renuisanced(self, effects: Sequence[PlacedEffect]) -> PictureEvidence:
+        """The evidence with nuisances estimated anew beside these effects; itself where they stay."""
+
+    @abstractmethod
+    def agreeing(self, shares: Mapping[str, float]) -> PictureEvidence:
+        """The evidence where terms of pose are off by shares of their priors alone; itself where none is."""

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from tacos_framework import generator
 from tacos_framework.formation import PlacedEffect
 from tacos_gap.captures import RealCapture
-from tacos_gap.evidence.contract import N_NULL_REPLICATES, Label, ReplicateResiduals
+from tacos_gap.evidence.contract import N_NULL_REPLICATES, Label, PictureEvidence, ReplicateResiduals
 from tacos_gap.evidence.moved_expectation import MovedExpectation, MovedExpectations
 from tacos_gap.evidence.simulated_statistics import SimulatedStatistics
 from tacos_gap.nuisances import POSE_TERMS, Marginal, disturbed, freedoms_of, registered, stated
@@ -43,7 +43,7 @@ SPREAD_OF_ONE = 1.5
 """Variance of real less simulated over that of real alone: the simulated mean is not known exactly."""
 
 
-class ImageEvidence:
+class ImageEvidence(PictureEvidence):
     """Statistics of a capture with expected values.
 
     Its nuisances (light, pose and focus of the expectation) are integrated out around the values that the
@@ -68,7 +68,7 @@ class ImageEvidence:
         draws, self._luck = draws[:, kept], luck[kept]
         self._draws = draws
         self.mean = draws.mean(axis=0)
-        self.sigma = self._sigma(draws)
+        self._floor = self._sigma(draws)
         real = self._taken.values(self._taken.blocks)
         self._there = MovedExpectation(first.taking(self._taken, kept), real, draws)
         self._expectations = MovedExpectations()
@@ -81,8 +81,13 @@ class ImageEvidence:
 
     @property
     def real(self) -> NDArray[np.float64]:
-        """(K,) the statistics of the real frames."""
+        """See `PictureEvidence`."""
         return self._there.real
+
+    @property
+    def sigma(self) -> NDArray[np.float64]:
+        """See `PictureEvidence`."""
+        return self._floor
 
     @property
     def _simulations(self) -> SimulatedStatistics:
@@ -90,10 +95,11 @@ class ImageEvidence:
 
     @property
     def left_out(self) -> list[str]:
+        """See `PictureEvidence`."""
         return self._taken.left_out
 
     def nuisances(self, effects: Sequence[PlacedEffect]) -> dict[str, Any]:
-        """Offsets of the expectation beside effects, as in ``diagnosis.json``; empty if there are none."""
+        """See `PictureEvidence`."""
         if not self._freedoms:
             return {}
         return stated(self._freedoms, self._marginal.most_likely(self._difference(effects)))
@@ -146,7 +152,7 @@ class ImageEvidence:
     # nuisances --------------------------------------------------------------------------------------------
 
     def renuisanced(self, effects: Sequence[PlacedEffect]) -> ImageEvidence:
-        """The evidence with nuisances estimated anew beside these effects; itself where they stay.
+        """See `PictureEvidence`.
 
         Where there are no effects yet, pose begins where the pictures themselves align best.
         """
@@ -173,7 +179,7 @@ class ImageEvidence:
         return self._at(nu)
 
     def agreeing(self, shares: Mapping[str, float]) -> ImageEvidence:
-        """The evidence where terms of pose are off by shares of their priors alone; itself where none is.
+        """See `PictureEvidence`.
 
         What was taken for a nuisance of each capture then is a gap of all.
         """
@@ -184,7 +190,7 @@ class ImageEvidence:
         return nearer._at(np.where([f.name in shares for f in self._freedoms], 0.0, self._nu))
 
     def pose(self, effects: Sequence[PlacedEffect]) -> dict[str, float] | None:
-        """Offset of its pose beside effects, by term [standard deviations]; None where it has none."""
+        """See `PictureEvidence`."""
         names = [freedom.name for freedom in self._freedoms]
         if POSE_TERMS[0] not in names:
             return None

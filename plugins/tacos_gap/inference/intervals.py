@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import stdtrit
 
-from tacos_gap.evidence import ImageEvidence
+from tacos_gap.evidence import PictureEvidence
 from tacos_gap.hypotheses.parameters import HypothesisTerm, initial_guesses_of
 from tacos_gap.inference.fit import Fitted
 from tacos_gap.inference.jacobian import jacobian_at
@@ -141,7 +141,7 @@ def map_variance(problem: Problem, hypothesis: Hypothesis) -> NDArray[np.float64
     The standard deviation of n normal numbers varies by the share 1 / sqrt(2 n); the camera's map and the
     simulated one do so both. Spreads over columns have as many numbers as there are columns.
     """
-    shapes = [e.capture.valid.shape for e in problem.evidence if isinstance(e, ImageEvidence)]
+    shapes = [e.capture.valid.shape for e in problem.evidence if isinstance(e, PictureEvidence)]
     if not shapes:
         return np.zeros(sum(len(term.free) for term in hypothesis))
     rows, columns = max(shapes, key=lambda shape: shape[0] * shape[1])

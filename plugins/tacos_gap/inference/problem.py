@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Collection, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
-from threading import Lock
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework.formation import PlacedEffect
-from tacos_gap.evidence import Evidence, ImageEvidence, Label, ReplicateResiduals
+from tacos_gap.evidence import Evidence, Label, PictureEvidence, ReplicateResiduals
+from tacos_gap.evidence.elsewhere import of_each
 from tacos_gap.hypotheses.parameters import HypothesisTerm
 from tacos_gap.nuisances import shares_of_priors
 
@@ -33,9 +31,6 @@ CLOSE_SHARES = 2.0
 """Factor by which narrowed priors of pose may change without anything being simulated anew."""
 
 Hypothesis = tuple[HypothesisTerm, ...]
-
-Map = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
-"""A map that may work side by side."""
 
 
 def robust(z: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -62,6 +57,10 @@ def _side_by_side(replicates: Sequence[NDArray[np.float64]]) -> NDArray[np.float
     return np.concatenate([each[:count] for each in replicates], axis=1) if replicates else np.zeros((2, 0))
 
 
+def _joined(parts: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    return np.concatenate([*parts, np.zeros(0)])
+
+
 def _key(hypothesis: Hypothesis) -> str:
     return repr([(term.name, sorted(term.values.items(), key=str)) for term in hypothesis])
 
@@ -81,19 +80,40 @@ def placed(hypothesis: Hypothesis, capture: str | None = None) -> list[PlacedEff
 
 def placed_in(hypothesis: Hypothesis, evidence: Evidence) -> list[PlacedEffect]:
     """The effects of a hypothesis for the capture that evidence is of; boards are adjusted all together."""
-    return placed(hypothesis, evidence.capture.id if isinstance(evidence, ImageEvidence) else None)
+    return placed(hypothesis, evidence.capture.id if isinstance(evidence, PictureEvidence) else None)
 
 
-def _renuisanced(evidence: Evidence, hypothesis: Hypothesis) -> Evidence:
-    if not isinstance(evidence, ImageEvidence):
+def _residual(hypothesis: Hypothesis, draws: int, evidence: Evidence) -> NDArray[np.float64]:
+    return evidence.residual(placed_in(hypothesis, evidence), draws)
+
+
+def _replicate_residuals(hypothesis: Hypothesis, evidence: Evidence) -> ReplicateResiduals:
+    return evidence.replicate_residuals(placed_in(hypothesis, evidence))
+
+
+def _renuisanced(hypothesis: Hypothesis, evidence: Evidence) -> Evidence:
+    if not isinstance(evidence, PictureEvidence):
         return evidence
     return evidence.renuisanced(placed_in(hypothesis, evidence))
 
 
+def _pose(hypothesis: Hypothesis, evidence: Evidence) -> dict[str, float] | None:
+    return evidence.pose(placed_in(hypothesis, evidence)) if isinstance(evidence, PictureEvidence) else None
+
+
+def _agreeing(shares: Mapping[str, float], evidence: Evidence) -> Evidence:
+    return evidence.agreeing(shares) if isinstance(evidence, PictureEvidence) else evidence
+
+
+def _null_replicates(evidence: Evidence) -> NDArray[np.float64]:
+    return evidence.null_replicates
+
+
 def _shares_of_priors(evidence: Sequence[Evidence], hypothesis: Hypothesis) -> dict[str, float]:
     poses, groups = [], []
-    for each in evidence:
-        if isinstance(each, ImageEvidence) and (pose := each.pose(placed_in(hypothesis, each))) is not None:
+    for pose, each in zip(of_each(partial(_pose, hypothesis), evidence), evidence, strict=True):
+        if pose is not None:
+            assert isinstance(each, PictureEvidence)
             poses.append(pose)
             groups.append(each.capture.group or each.capture.id)
     return shares_of_priors(poses, groups)
@@ -124,15 +144,14 @@ class Slot:
 class Problem:
     """Evidence of all captures as one vector of residuals."""
 
-    def __init__(self, evidence: Sequence[Evidence], workers: int = 1):
+    def __init__(self, evidence: Sequence[Evidence]):
         self.evidence = list(evidence)
-        self._of_each: Map = map if workers == 1 else ThreadPoolExecutor(workers).map
         sizes = [len(e.labels) for e in self.evidence]
         ends = np.cumsum([0, *sizes])
         self.slots = [Slot(int(a), int(b)) for a, b in pairwise(ends)]
         self.labels: list[Label] = [label for e in self.evidence for label in e.labels]
-        self.null = np.concatenate([e.residual(()) for e in self.evidence]) if self.evidence else np.zeros(0)
-        self.null_replicates = _side_by_side([e.null_replicates for e in self.evidence])
+        self.null = _joined(of_each(partial(_residual, (), 1), self.evidence))
+        self.null_replicates = _side_by_side(of_each(_null_replicates, self.evidence))
         self.scale = np.ones(len(self.labels))
         self.spread: dict[str, NDArray[np.float64]] = {}
         self._spread_in: frozenset[str] = frozenset()
@@ -142,7 +161,6 @@ class Problem:
         self._shares: dict[str, float] = {}
         self._kept: dict[str, NDArray[np.float64]] = {}
         self._replicate_residuals: dict[str, ReplicateResiduals] = {}
-        self._lock = Lock()
 
     @property
     def simulations(self) -> int:
@@ -154,15 +172,11 @@ class Problem:
         key = f"{self.draws} {_key(hypothesis)}"
         if len(placed(hypothesis)) < len(hypothesis):
             return None
-        with self._lock:
-            if key in self._kept:
-                return self._kept[key] / self.scale
+        if key not in self._kept:
             self._tally.simulations += self.draws
-        parts = self._of_each(lambda e: e.residual(placed_in(hypothesis, e), self.draws), self.evidence)
-        z = np.nan_to_num(np.concatenate([*parts, np.zeros(0)]), nan=1e3, posinf=1e3, neginf=-1e3)
-        with self._lock:
-            self._kept[key] = z
-        return z / self.scale
+            z = _joined(of_each(partial(_residual, hypothesis, self.draws), self.evidence))
+            self._kept[key] = np.nan_to_num(z, nan=1e3, posinf=1e3, neginf=-1e3)
+        return self._kept[key] / self.scale
 
     def replicate_residuals(self, hypothesis: Hypothesis) -> ReplicateResiduals:
         key = _key(hypothesis)
@@ -171,7 +185,7 @@ class Problem:
         return self._replicate_residuals[key]
 
     def _simulate_replicates(self, hypothesis: Hypothesis) -> ReplicateResiduals:
-        parts = list(self._of_each(lambda e: e.replicate_residuals(placed_in(hypothesis, e)), self.evidence))
+        parts = of_each(partial(_replicate_residuals, hypothesis), self.evidence)
         return ReplicateResiduals(
             np.concatenate([part.z for part in parts]),
             _side_by_side([part.replicates for part in parts]),
@@ -197,16 +211,16 @@ class Problem:
 
         Poses are first estimated within their priors, and then as far as captures disagree about them.
         """
-        stated = list(self._of_each(lambda e: _renuisanced(e, hypothesis), self._stated))
+        stated = of_each(partial(_renuisanced, hypothesis), self._stated)
         shares = _shares_of_priors(stated, hypothesis)
         if all(new is old for new, old in zip(stated, self._stated, strict=True)) and _are_close(
             shares, self._shares
         ):
             return self
-        evidence = [e.agreeing(shares) if isinstance(e, ImageEvidence) else e for e in stated]
+        evidence = of_each(partial(_agreeing, shares), stated)
         other = copy(self)
         other.evidence, other._stated, other._shares = evidence, stated, shares
-        other.null = np.concatenate(list(self._of_each(lambda e: e.residual(()), evidence))) / self.scale
+        other.null = _joined(of_each(partial(_residual, (), 1), evidence)) / self.scale
         other._kept, other._replicate_residuals = {}, {}
         return other
 

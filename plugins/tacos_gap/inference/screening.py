@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_gap.evidence import ImageEvidence
+from tacos_gap.evidence import PictureEvidence
 from tacos_gap.evidence.boards import BoardEvidence
 from tacos_gap.hypotheses.parameters import HypothesisTerm, initial_guesses_for, neutral_value
 from tacos_gap.inference.jacobian import theta_of
-from tacos_gap.inference.problem import Map, Problem, robust, robust_derivative
+from tacos_gap.inference.problem import Problem, robust, robust_derivative
 
 SHARES = (0.15, 0.4, 0.7, 1.0, 1.6, 2.5)
 """Multiples of a direction's change that are looked at."""
@@ -45,15 +45,15 @@ class ScreeningScore:
     """Where its fit may begin; the best first, as far as first order tells."""
 
 
-def try_all(problem: Problem, effects: Mapping[str, type[Any]], each: Map = map) -> ScreeningDirections:
-    """Simulate each effect at each of its initial guesses; `each` is a map that may work in parallel."""
-    captures = [e.capture for e in problem.evidence if isinstance(e, (ImageEvidence, BoardEvidence))]
-    guesses = each(lambda named: initial_guesses_for(named[0], named[1], captures), effects.items())
-    terms = [term for of_effect in guesses for term in of_effect]
+def try_all(problem: Problem, effects: Mapping[str, type[Any]]) -> ScreeningDirections:
+    """Simulate each effect at each of its initial guesses."""
+    captures = [e.capture for e in problem.evidence if isinstance(e, (PictureEvidence, BoardEvidence))]
     found: dict[str, list[ScreeningDirection]] = {}
-    for term, z in zip(terms, each(lambda term: problem.residual((term,)), terms), strict=True):
-        if z is not None and not np.array_equal(z, problem.null):
-            found.setdefault(term.name, []).append(ScreeningDirection(term, z - problem.null))
+    for name, cls in effects.items():
+        for term in initial_guesses_for(name, cls, captures):
+            z = problem.residual((term,))
+            if z is not None and not np.array_equal(z, problem.null):
+                found.setdefault(name, []).append(ScreeningDirection(term, z - problem.null))
     return found
 
 

@@ -78,7 +78,9 @@ class Diagnose:
             help="The sensor that simulates the captures, e.g. {use: sensor.affine-noise}; by default the "
             "noise that captures.yaml states.",
         )
-        workers: int = setting(2, help="Threads.", ge=1)
+        workers: int | None = setting(
+            None, help="Processes that simulate captures; by default one for each core, at most 4.", ge=1
+        )
         simulations: int | None = setting(
             None,
             help="Simulations of all captures after which no further effect is looked for; by default as "

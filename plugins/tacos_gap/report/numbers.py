@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tacos_gap.answer.findings import Diagnosis
 from tacos_gap.captures import RealCapture
-from tacos_gap.evidence import ImageEvidence, Label
+from tacos_gap.evidence import Label, PictureEvidence
 from tacos_gap.evidence.boards import BoardEvidence
 from tacos_gap.inference.problem import Problem
 
@@ -59,7 +59,7 @@ def numbers_of(
 ) -> dict[str, Numbers]:
     """The numbers of every statistic, for two hypotheses given by their residuals [noise floor]."""
     real, sigma = _measured(problem)
-    captures = {e.capture.id: e.capture for e in problem.evidence if isinstance(e, ImageEvidence)}
+    captures = {e.capture.id: e.capture for e in problem.evidence if isinstance(e, PictureEvidence)}
     members: dict[str, list[int]] = {}
     for k, label in enumerate(problem.labels):
         members.setdefault(label.statistic, []).append(k)
@@ -111,7 +111,7 @@ def _measured(problem: Problem) -> tuple[NDArray[np.float64], NDArray[np.float64
     real = np.full(len(problem.labels), np.nan)
     sigma = np.ones(len(problem.labels))
     for evidence, slot in zip(problem.evidence, problem.slots, strict=True):
-        if isinstance(evidence, ImageEvidence):
+        if isinstance(evidence, PictureEvidence):
             real[slot.start : slot.stop] = evidence.real
             sigma[slot.start : slot.stop] = evidence.sigma
         elif isinstance(evidence, BoardEvidence):

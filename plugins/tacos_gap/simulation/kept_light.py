@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from threading import Lock
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,28 +13,23 @@ Key = tuple[str, ...]
 
 
 class KeptLight:
-    """Samples by the effects that made them, the last ones used. Threads may share it."""
+    """Samples by the effects that made them, the last ones used."""
 
     def __init__(self, most_bytes: int) -> None:
         self._most_bytes = most_bytes
         self._known: dict[Key, Samples | None] = {}
         self._bytes = 0
-        self._lock = Lock()
 
     def after(self, effects: Sequence[str], make: Callable[[], Samples | None]) -> Samples | None:
         """Samples after those effects, made where they are not known; None where chance is among them."""
         key = tuple(effects)
-        with self._lock:
-            if key in self._known:
-                found = self._known[key] = self._known.pop(key)  # the last now
-                return found
-        made = make()
-        with self._lock:
-            if key not in self._known:
-                self._known[key] = made
-                self._bytes += _bytes_of(made)
-            while self._bytes > self._most_bytes:
-                self._bytes -= _bytes_of(self._known.pop(next(iter(self._known))))
+        if key in self._known:
+            found = self._known[key] = self._known.pop(key)  # the last now
+            return found
+        made = self._known[key] = make()
+        self._bytes += _bytes_of(made)
+        while self._bytes > self._most_bytes:
+            self._bytes -= _bytes_of(self._known.pop(next(iter(self._known))))
         return made
 
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
-
-from tacos_framework import Settings, setting
+from tacos_framework import Settings, setting, usable_cores
 from tacos_plugins.executors.pool import Limits, Pool
 from tacos_plugins.executors.pool_executor import PoolExecutor
 
@@ -66,7 +64,7 @@ class ProcessExecutor(PoolExecutor):
     def __init__(self, config: Config) -> None:
         super().__init__()
         self.config = config
-        self.workers = config.workers or len(os.sched_getaffinity(0))
+        self.workers = config.workers or usable_cores()
 
     def _new_pool(self, payload: bytes) -> Pool:
         config = self.config

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_gap.answer.findings import Diagnosis
 from tacos_gap.captures import RealCapture
-from tacos_gap.evidence import ImageEvidence
+from tacos_gap.evidence import PictureEvidence
 from tacos_gap.hypotheses.parameters import HypothesisTerm, initial_guesses_of
 from tacos_gap.inference.fit import Fitted
 from tacos_gap.inference.problem import Problem, robust
@@ -37,7 +37,7 @@ def by_pixels(problem: Problem, effects: Mapping[str, type[Any]]) -> list[str]:
     """The effect whose simulation comes nearest in mean squared pixel error, on one capture of each kind."""
     captures: dict[str, RealCapture] = {}
     for evidence in problem.evidence:
-        if isinstance(evidence, ImageEvidence):
+        if isinstance(evidence, PictureEvidence):
             captures.setdefault(evidence.capture.kind, evidence.capture)
     chosen = list(captures.values())
     if not chosen:

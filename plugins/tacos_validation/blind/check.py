@@ -149,7 +149,7 @@ class GapBlindCheck:
             made / name / CAPTURES,
             each.removed,
             self.config.baselines and each.tier in COMPARED,
-            threads=2 if each.tier == "speed" else 1,
+            processes=2 if each.tier == "speed" else 1,
         )
 
 

@@ -21,7 +21,7 @@ def time_limit(seconds: float | None) -> Iterator[None]:
     the time limit of its executor. It works in the main thread, where systems tell of timers; elsewhere the
     body goes on.
 
-    `seconds`: the longest time, of all threads together; None for any [s].
+    `seconds`: the longest time, of all threads of this process together; None for any [s].
     """
     bounded = hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread()
     if seconds is None or not bounded:

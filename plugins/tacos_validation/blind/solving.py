@@ -27,13 +27,13 @@ class Diagnosing:
     folder: Path
     removed: tuple[str, ...] = ()  # effects that the catalogue lacks this time
     baselines: bool = True  # whether simpler ways are tried as well
-    threads: int = 1
+    processes: int = 1
 
     def work(self, effects: Effects) -> dict[str, Any]:
         known = {name: cls for name, cls in effects.items() if name not in self.removed}
         began = time.monotonic()
         folder = read_captures(self.folder)
-        found = diagnose(folder, known, seed=0, workers=self.threads)
+        found = diagnose(folder, known, seed=0, workers=self.processes)
         seconds = time.monotonic() - began
         pixels = sum(c.real_dn[..., 0].size for c in folder.captures)
         simpler = simpler_answers(found, known) if self.baselines else {}

@@ -33,7 +33,7 @@ class CameraPatch:
 
 
 def diagnosed_patch(
-    folder: CaptureFolder, considered: Candidates, seed: int, workers: int, notify: Notify
+    folder: CaptureFolder, considered: Candidates, seed: int, workers: int | None, notify: Notify
 ) -> CameraPatch:
     found = diagnose(folder, considered, seed=seed, workers=workers, notify=notify)
     effects = tuple(placed(found.attribution.best.hypothesis))

@@ -60,7 +60,9 @@ class ValidateCameras:
         )
         change: dict[str, JsonValue] = setting({}, help="Keys of that recipe to change, as with --set.")
         without: tuple[str, ...] = setting((), help="Effects that are not to be considered, by name.")
-        workers: int = setting(2, help="Threads.", ge=1)
+        workers: int | None = setting(
+            None, help="Processes that simulate captures; by default one for each core, at most 4.", ge=1
+        )
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -85,7 +85,7 @@ def problem(gradient: float, ripple: float) -> Problem:
 
 def test_the_two_that_are_there_are_named_and_not_the_one_that_leans_towards_both():
     told: list[str] = []
-    found = ForwardSelection(problem(4.0, 3.0), EFFECTS, workers=1, notify=told.append).run()
+    found = ForwardSelection(problem(4.0, 3.0), EFFECTS, notify=told.append).run()
     assert sorted(found.best.names) == ["gradient", "ripple"]
     both = {f"looking beside {first}" for first in ("gradient + ripple", "ripple + gradient")}
     assert told[0] in both  # at once, and not by way of the third
@@ -95,7 +95,7 @@ def test_the_two_that_are_there_are_named_and_not_the_one_that_leans_towards_bot
 
 @pytest.mark.parametrize(("simulations", "names"), [(1, []), (2000, ["gradient", "ripple"])])
 def test_a_search_ends_where_its_simulations_are_spent_and_says_so(simulations, names):
-    found = ForwardSelection(problem(4.0, 3.0), EFFECTS, workers=1, simulations=simulations).run()
+    found = ForwardSelection(problem(4.0, 3.0), EFFECTS, simulations=simulations).run()
     assert sorted(found.best.names) == names
     assert found.cut_short == (names == [])
 
@@ -103,24 +103,22 @@ def test_a_search_ends_where_its_simulations_are_spent_and_says_so(simulations, 
 def test_simulations_of_a_search_before_do_not_count():
     """As of one that was broken off since an effect raised."""
     of = problem(4.0, 3.0)
-    first = ForwardSelection(of, EFFECTS, workers=1).run()
+    first = ForwardSelection(of, EFFECTS).run()
     assert of.simulations > 20
-    again = ForwardSelection(of, EFFECTS, workers=1, simulations=of.simulations).run()
+    again = ForwardSelection(of, EFFECTS, simulations=of.simulations).run()
     assert sorted(again.best.names) == sorted(first.best.names)
     assert not again.cut_short
 
 
 def test_by_itself_the_third_does_more_than_either():
     of = problem(4.0, 3.0)
-    alone = {
-        name: ForwardSelection(of, {name: cls}, workers=1).run().best.score for name, cls in EFFECTS.items()
-    }
+    alone = {name: ForwardSelection(of, {name: cls}).run().best.score for name, cls in EFFECTS.items()}
     assert max(alone, key=lambda name: alone[name]) == "leaning"
 
 
 @pytest.mark.parametrize("name", ["gradient", "ripple"])
 def test_one_that_is_there_alone_is_named_alone(name):
-    found = ForwardSelection(problem(4.0 * (name == "gradient"), 4.0 * (name == "ripple")), EFFECTS, 1).run()
+    found = ForwardSelection(problem(4.0 * (name == "gradient"), 4.0 * (name == "ripple")), EFFECTS).run()
     assert found.best.names == (name,)
 
 

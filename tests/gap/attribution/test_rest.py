@@ -34,6 +34,6 @@ EFFECTS: dict[str, type[Any]] = {"steep": Steep, "ripple": InOnePart}
 def test_what_formulas_miss_of_a_large_effect_brings_in_no_other_that_fits_a_bit_of_it(missed, names):
     rest = (3.0 * RIPPLE + missed * PATTERNS[2]) * (PART == 2)
     of = Problem([Field(4.0 * STEEP + rest)])
-    found = ForwardSelection(of, EFFECTS, workers=1).run()
+    found = ForwardSelection(of, EFFECTS).run()
     assert sorted(found.best.names) == names
     assert found.best.hypothesis[0].values["amount"] == pytest.approx(4.0, abs=0.3)

@@ -218,12 +218,6 @@ def test_a_fit_that_ends_below_one_of_fewer_effects_is_made_again_by_itself():
     assert found.hypothesis[1].values["slope"] == pytest.approx(5.0, abs=0.5)
 
 
-def test_captures_simulated_side_by_side_give_the_same_residuals():
-    one, two = (Problem([Curve(6.0, 1.2, seed) for seed in range(5)], workers) for workers in (1, 2))
-    assert np.array_equal(one.residual(start()), two.residual(start()))
-    assert np.array_equal(one.replicate_residuals(()).z, two.replicate_residuals(()).z)
-
-
 def test_captures_that_disagree_widen_the_interval():
     def reach(heights: Sequence[float]) -> float:
         of = Problem([Curve(height, 0.0, seed) for seed, height in enumerate(heights)])

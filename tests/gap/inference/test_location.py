@@ -26,7 +26,7 @@ class Blocks:
             self._z[at * NUMBERS : (at + 1) * NUMBERS] += size
         self.null_replicates = rng.normal(0, 1, (16, len(places)))
 
-    def residual(self, effects):
+    def residual(self, effects, draws=1):
         return self._z
 
     def replicate_residuals(self, effects):

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from tacos_framework import LIGHT_STAGES, generator
 from tacos_gap.answer.pictures.misfit import TILES, tile_squares
 from tacos_gap.captures import RealCapture
-from tacos_gap.evidence import ImageEvidence
+from tacos_gap.evidence import PictureEvidence
 from tacos_gap.hypotheses.parameters import HypothesisTerm, initial_guesses_for
 from tacos_gap.inference.presence import BY_PICTURES
 from tacos_gap.inference.problem import Hypothesis, Problem, placed_in
@@ -40,7 +40,7 @@ def share_of_pictures(
     Returns: 0..1; 0 where it acts on no light, pictures show nothing to align, or a rival is not surely
     worse.
     """
-    pictures = [e for e in problem.evidence if isinstance(e, ImageEvidence) and _can_be_aligned(e)]
+    pictures = [e for e in problem.evidence if isinstance(e, PictureEvidence) and _can_be_aligned(e)]
     if term.cls.stage not in LIGHT_STAGES or not pictures:
         return 0.0
     without = tuple(each for each in hypothesis if each.name != term.name)
@@ -63,7 +63,7 @@ def share_of_pictures(
 class _DrawnTiles:
     """Sums of squares over resampled tiles of all pictures, the same for every hypothesis."""
 
-    def __init__(self, pictures: Sequence[ImageEvidence], rng: np.random.Generator):
+    def __init__(self, pictures: Sequence[PictureEvidence], rng: np.random.Generator):
         self._pictures = pictures
         self._weights = [rng.multinomial(TILES, np.full(TILES, 1 / TILES), RESAMPLES) for _ in pictures]
 
@@ -91,5 +91,5 @@ def _with_guesses(
                     yield (*rest, guess)
 
 
-def _can_be_aligned(evidence: ImageEvidence) -> bool:
+def _can_be_aligned(evidence: PictureEvidence) -> bool:
     return any(freedom.name == "shift_x_px" for freedom in freedoms_of(evidence.capture))

@@ -6,7 +6,7 @@ import math
 import os
 import sys
 
-from tacos_framework import Settings, setting
+from tacos_framework import Settings, setting, usable_cores
 from tacos_plugins.executors.on_ray.actor_pool import ActorPool
 from tacos_plugins.executors.on_ray.cluster import LOCAL, Cluster, Needs
 from tacos_plugins.executors.pool_executor import PoolExecutor
@@ -92,7 +92,7 @@ class RayExecutor(PoolExecutor):
 
     def _joined(self) -> Cluster:
         if self._cluster is None:
-            cores = len(os.sched_getaffinity(0))
+            cores = usable_cores()
             wanted = max(cores, int(self._needs.cpus * (self.config.workers or 0)))
             cluster = Cluster(self.config.address, wanted)
             try:
