@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +12,7 @@ from scipy.stats import spearmanr
 from tacos_files.exposure_names import possible_time_ms
 from tacos_gap.photographs.facts import OF_NAME
 from tacos_gap.photographs.given import Given, Guess
+from tacos_gap.photographs.names import settings_in_name
 from tacos_gap.photographs.picture import Picture
 from tacos_gap.photographs.tables import Row, Table
 from tacos_gap.report.words import first_of
@@ -33,7 +34,7 @@ def with_times(
 
     What the camera itself wrote comes first, then tables, then names. Answers of the photographer beat all.
     """
-    doubts: list[str] = []
+    doubts = list(_against_names(pictures))
     guesses: list[Guess] = []
     found = {picture.path.resolve(): picture for picture in pictures}
     for table in tables:
@@ -53,6 +54,25 @@ def with_times(
             )
     timed = _with_possible(list(found.values()), guesses)
     return [_with_answers(picture, given) for picture in timed], doubts, guesses
+
+
+_IN_WORDS = {"exposure_ms": ("exposure time", "ms"), "iso": ("ISO speed", ""), "f_number": ("f-number", "")}
+
+
+def _against_names(pictures: Sequence[Picture]) -> Iterator[str]:
+    """Sentences on settings that the camera wrote and the names of the files contradict."""
+    for key, (what, unit) in _IN_WORDS.items():
+        differing: dict[str, tuple[float, float]] = {}
+        for picture in pictures:
+            own, named = getattr(picture.facts, key), settings_in_name(picture.path.stem).get(key)
+            if own is not None and named is not None and abs(own - named) > _AGREE * max(own, named):
+                differing[picture.name] = (named, own)
+        if differing:
+            named, own = next(iter(differing.values()))
+            yield (
+                f"{first_of(list(differing))}: the name says another {what} than the camera wrote ({named:g} "
+                f"and {own:g}{' ' + unit if unit else ''}); that of the camera is taken."
+            )
 
 
 def _with_row(picture: Picture, row: Row, in_ms: Callable[[Row], float | None], table: str) -> Picture:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
 from tacos_gap.photographs.importing import Imported, import_photographs
 from tests.gap.photographs.test_caps_and_walls import VIEW, save
@@ -110,3 +111,24 @@ def test_a_table_that_contradicts_the_names_is_doubted_and_taken(tmp_path):
     assert any(
         doubt.startswith("times.csv says another exposure time than a_1ms.png") for doubt in found.doubts
     )
+
+
+def test_names_that_contradict_what_the_camera_wrote_are_doubted(tmp_path):
+    names = ["a_2ms_ISO100", "b_8ms_ISO200", "c_1-30s", "d_64ms_f2.8"]
+    bracket(tmp_path / "in", names)
+    for name, time_ms in zip(names, TIMES_MS, strict=True):
+        with Image.open(tmp_path / "in" / f"{name}.png") as image:
+            tags = Image.Exif()
+            tags[0x0110] = "Camera"
+            own = tags.get_ifd(0x8769)
+            own |= {0x829A: time_ms / 1e3, 0x8827: 100, 0x829D: 2.8}
+            image.save(tmp_path / "in" / f"{name}.png", exif=tags)
+    found = import_photographs([tmp_path / "in"], tmp_path / "out")
+    assert times_ms(found) == pytest.approx(list(TIMES_MS))
+    said = [doubt for doubt in found.doubts if "the name says another" in doubt]
+    assert said == [
+        "d_64ms_f2.8.png: the name says another exposure time than the camera wrote (64 and 128 ms); that of "
+        "the camera is taken.",
+        "b_8ms_ISO200.png: the name says another ISO speed than the camera wrote (200 and 100); that of the "
+        "camera is taken.",
+    ]
