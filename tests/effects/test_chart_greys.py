@@ -52,6 +52,11 @@ def test_greys_of_a_linear_camera_tell_no_curve_however_much_is_added(veil):
     assert list(ToneCurve.estimate_from([chart(REFLECTANCES * LIGHT * 0.6 + veil)])) == []
 
 
+@pytest.mark.parametrize("exponent", [0.85, 1.08, 1.15])
+def test_a_slight_curve_is_neither_seen_nor_excluded(exponent):
+    assert list(ToneCurve.estimate_from([chart((REFLECTANCES * LIGHT) ** exponent)])) == []
+
+
 def test_too_few_greys_and_charts_without_colour_tell_nothing():
     clipped = srgb(REFLECTANCES * 3.0)
     assert exponent_of(chart(clipped)) is None

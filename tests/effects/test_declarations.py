@@ -70,6 +70,12 @@ def test_saturation_is_guessed_where_many_pixels_share_the_top():
     assert list(Saturation.guesses_from([seen(few)])) == [{"level_dn": 200.0}]
 
 
+def test_saturation_is_guessed_in_each_colour_where_gains_part_them():
+    light = np.minimum(np.linspace(50, 250, 400), 200.0)[None, :, None, None] * np.ones((1, 400, 10, 3))
+    files = np.minimum(light * np.array([0.9, 1.0, 1.4]), 255.0)
+    assert list(Saturation.guesses_from([seen(files)])) == [{"level_dn": 180.0}, {"level_dn": 200.0}]
+
+
 def test_flicker_is_guessed_by_the_wave_over_the_rows():
     rows = 100 * (1 + 0.1 * np.sin(2 * np.pi * np.arange(200) / 40.0))[None, :, None, None]
     lamp = seen(rows * np.ones((1, 200, 10, 1)), np.full((1, 200, 10, 1), 100.0))

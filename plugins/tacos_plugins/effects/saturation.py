@@ -68,12 +68,16 @@ class Saturation:
 
     @classmethod
     def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
-        """The value that many pixels share at the top of a capture, below full scale."""
+        """The value that many pixels of a channel share at the top of a capture, below full scale.
+
+        Gains of colours that follow part the channels, and may bring one of them to full scale.
+        """
         found = set()
         for capture in captures:
-            top = float(capture.real_dn.max())
-            if top < capture.context.white_level_dn and _pile_up(capture.real_dn, top):
-                found.add(top)
+            for values_dn in np.moveaxis(capture.real_dn, -1, 0):
+                top = float(values_dn.max())
+                if top < capture.context.white_level_dn and _pile_up(values_dn, top):
+                    found.add(top)
         for level in sorted(found)[-2:]:
             yield {"level_dn": level}
 

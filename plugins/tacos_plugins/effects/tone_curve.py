@@ -111,10 +111,13 @@ class ToneCurve:
 
     @classmethod
     def estimate_from(cls, captures: Captures) -> Iterator[Estimate]:
-        """The exponent of the greys of charts."""
+        """The exponent of the greys of charts, where it is far from 1: they exclude no slight curve."""
         found = [exponent for each in of_kind(captures, "chart") if (exponent := exponent_of(each))]
-        if found:
-            yield Estimate("gamma", *min(found, key=lambda each: each.standard_error), negligible=_BENT_CHART)
+        if not found:
+            return
+        best = min(found, key=lambda each: each.standard_error)
+        if abs(best.value - 1) > _BENT_CHART:
+            yield Estimate("gamma", *best, negligible=_BENT_CHART)
 
     @classmethod
     def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
