@@ -6,7 +6,7 @@ import numpy as np
 
 from tacos_framework import generator
 from tacos_gap.hypotheses.parameters import HypothesisTerm, neutral_value
-from tacos_gap.inference.closure import closures_of
+from tacos_gap.inference.closure import closure, closures_of
 from tacos_gap.inference.fit import Fitted
 from tacos_gap.inference.intervals import half_widths
 from tacos_gap.inference.jacobian import columns_of
@@ -34,24 +34,33 @@ def is_plainly_needed(problem: Problem, fitted: Fitted, name: str, least: float)
     return gain > PLAINLY * least
 
 
-def least_needed(problem: Problem, best: Fitted) -> str | None:
-    """The effect that closes least of what is held out, where it is nothing or might as well not be there.
+def hardly_needed(problem: Problem, best: Fitted) -> list[str]:
+    """Effects that close nothing of what is held out, or might as well not be there; the least comes first.
 
-    Selection counts log scores, in which a statistic that hardly varies outweighs many that got worse. None
-    where all effects are needed.
+    Selection counts log scores, in which a statistic that hardly varies outweighs many that got worse. An
+    effect that another one mostly undoes is among them: see `opens_again`.
     """
     if not best.hypothesis:
-        return None
+        return []
     closed = closures_of(problem, best, generator(0, "least needed"), draws=1).fair
     reach = half_widths(problem, best)
     ends = np.cumsum([len(term.free) for term in best.hypothesis])
-    for term, end in sorted(
-        zip(best.hypothesis, ends, strict=True), key=lambda each: closed[each[0].name].value
-    ):
+    found = {}
+    for term, end in zip(best.hypothesis, ends, strict=True):
         closes = closed[term.name].value
         if closes <= 0 or (closes < SMALL and _may_be_neutral(term, reach[end - len(term.free) : end])):
-            return term.name
-    return None
+            found[term.name] = closes
+    return sorted(found, key=lambda name: found[name])
+
+
+def opens_again(problem: Problem, best: Fitted, fewer: Fitted) -> bool:
+    """True if the gap opens without an effect, although all others were fitted anew.
+
+    Of a pedestal that is too high, under a curve that darkens all but black, each by itself may make the gap
+    wider, and both together close it.
+    """
+    before, after, left = (problem.gap(z) for z in (problem.null, best.held_out, fewer.held_out))
+    return closure(before, after) - closure(before, left) >= SMALL
 
 
 def _may_be_neutral(term: HypothesisTerm, reach: np.ndarray) -> bool:

@@ -46,8 +46,8 @@ SIMULATIONS = 2000
 takes some hundred; a longer search adds effect to effect that each fit a bit of what none explains."""
 
 LEAST_SIMULATIONS = 200
-AFFORDABLE_SAMPLES = 300_000_000
-"""Samples that all these simulations may have, of large folders too: a minute of processor time or less."""
+AFFORDABLE_SAMPLES = 600_000_000
+"""Samples that all these simulations may have, of large folders too: a minute of two cores or less."""
 
 LEAST_SHARE = 0.001
 """What one more parameter must gain, a third of the penalty aside, over what all have gained."""

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from tacos_framework import FILE_STAGES
-from tacos_gap.attribution.needed import least_needed
+from tacos_gap.attribution.fits import CLOSE
+from tacos_gap.attribution.needed import hardly_needed, opens_again
 from tacos_gap.attribution.result import Attribution
 from tacos_gap.attribution.rounds import (
     LARGEST,
@@ -40,6 +41,10 @@ MUCH = 0.4
 RIVALS_OF_A_SPENT_SEARCH = 1
 """Rivals of each effect that are fitted where the simulations are spent: what is left is said to be unknown
 anyway, and the first rival says what an effect cannot be told from."""
+
+LEAST_BETTER = 1e-9
+"""Least gain of a rival that takes an effect's place [nat]: more than rounding. In a spent search it is that
+of one out of reach (`CLOSE`), as what follows costs much."""
 
 RIVALS = "comparing with rivals"
 """What is told once an explanation is found, and others are tried in its place."""
@@ -80,15 +85,13 @@ class ForwardSelection:
             best = rounds.pruned(best)
             self._keep(best.hypothesis)
             slots = {name: self._rivals(best, name) for name in best.names}
-            better = self._better_rival(best, slots)
-            if better is None or rounds.cut_short:
+            better = self._better_rival(slots, best.score + (CLOSE if rounds.cut_short else LEAST_BETTER))
+            if better is None:
                 break
             best = better
         best = restored(rounds.problem, finished(rounds.problem, best), COMPLEXITY_PENALTY / 3)
         whole = best
-        while superfluous := least_needed(rounds.problem, best):
-            if (fewer := rounds.ended_without(best, superfluous)) is None:
-                break
+        while (fewer := self._with_one_less(best)) is not None:
             best = fewer
         if best is not whole:
             slots = {name: self._rivals(best, name) for name in best.names}
@@ -165,10 +168,18 @@ class ForwardSelection:
         rivals = rounds.fits.compared([(*rest, guess) for guess in guesses], near=fitted)
         return {"": fewer, **{(set(rival.names) - set(fitted.names)).pop(): rival for rival in rivals}}
 
-    def _better_rival(self, best: Fitted, slots: Mapping[str, Mapping[str, Fitted]]) -> Fitted | None:
-        """The explanation with another effect in the first place where one turned out better."""
+    def _with_one_less(self, best: Fitted) -> Fitted | None:
+        """The explanation without an effect that it does as well without; None where it needs all."""
+        for name in hardly_needed(self._rounds.problem, best):
+            fewer = self._rounds.ended_without(best, name)
+            if fewer is not None and not opens_again(self._rounds.problem, best, fewer):
+                return fewer
+        return None
+
+    def _better_rival(self, slots: Mapping[str, Mapping[str, Fitted]], least: float) -> Fitted | None:
+        """The explanation with another effect in the first place where one scores more than `least` [nat]."""
         for rivals in slots.values():
             named = [fitted for rival, fitted in rivals.items() if rival]
-            if named and (first := max(named, key=lambda f: f.score)).score > best.score + 1e-9:
+            if named and (first := max(named, key=lambda f: f.score)).score > least:
                 return first
         return None

@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import pytest
 
-from tacos_gap.attribution.needed import is_plainly_needed, least_needed
+from tacos_gap.attribution import ForwardSelection
+from tacos_gap.attribution.needed import hardly_needed, is_plainly_needed, opens_again
 from tacos_gap.attribution.selection_rule import COMPLEXITY_PENALTY, LEAST_OF_REST, is_worth_it, least_gain
 from tacos_gap.hypotheses.parameters import HypothesisTerm
 from tacos_gap.inference.fit import Fitted, finished, fit
 from tacos_gap.inference.problem import Problem
-from tests.gap.attribution.test_pairs import EFFECTS, PLACES, Field, problem
+from tests.gap.attribution.test_pairs import EFFECTS, GRADIENT, PLACES, RIPPLE, Field, Gradient, problem
+
+
+class Shadow(Gradient):
+    """Takes much of one pattern away, and some of another."""
+
+    patterns: ClassVar = (-0.8 * GRADIENT - 0.6 * RIPPLE,)
 
 
 def fitted(of: Problem, **amounts: float) -> Fitted:
@@ -47,9 +56,22 @@ def test_an_effect_that_another_makes_up_for_is_not_plainly_needed():
 
 def test_an_effect_that_closes_nothing_goes_and_one_that_closes_stays():
     of = problem(4.0, 0.0)
-    assert least_needed(of, fitted(of, gradient=3.0, ripple=1.0)) == "ripple"
-    assert least_needed(of, fitted(of, gradient=3.0)) is None
-    assert least_needed(of, fitted(of)) is None
+    assert hardly_needed(of, fitted(of, gradient=3.0, ripple=1.0)) == ["ripple"]
+    assert hardly_needed(of, fitted(of, gradient=3.0)) == []
+    assert hardly_needed(of, fitted(of)) == []
+
+
+def test_effects_that_undo_each_other_in_part_stay_together():
+    """One of them leaves more than there was, so that its fair share is negative; without it much is left."""
+    effects = {"gradient": EFFECTS["gradient"], "shadow": Shadow}
+    of = Problem([Field(9.0 * GRADIENT + 4.0 * Shadow.patterns[0])])  # type: ignore[list-item]
+    terms = [HypothesisTerm(name, cls, {"amount": 5.0}, {"amount": 1.0}) for name, cls in effects.items()]
+    begun = fit(of, tuple(terms))
+    assert begun is not None
+    both = finished(of, begun)
+    assert hardly_needed(of, both) == ["shadow"]
+    assert opens_again(of, both, fitted(of, gradient=5.0))
+    assert set(ForwardSelection(of, effects).run().best.names) == set(effects)
 
 
 def test_what_an_effect_must_gain_is_held_against_the_captures_it_touches():

@@ -48,6 +48,7 @@ def write_folder(
             "height_px": camera.height_px,
             "pixel_um": camera.pixel_um,
             "focal_length_mm": camera.focal_px * camera.pixel_um * 1e-3,
+            "principal_point_px": list(camera.centre_px),
             "f_number": 2.8,
             "bit_depth": 8,
             "white_level_dn": camera.white_dn,
