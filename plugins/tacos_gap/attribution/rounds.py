@@ -25,7 +25,7 @@ from tacos_gap.evidence import Evidence, PictureEvidence, ReplicateResiduals
 from tacos_gap.hypotheses.parameters import HypothesisTerm
 from tacos_gap.inference.alternative_guesses import in_its_best_form
 from tacos_gap.inference.codec import codec_of_files
-from tacos_gap.inference.discrete import searched
+from tacos_gap.inference.discrete import in_other_words, searched
 from tacos_gap.inference.fit import DRAWS, Fitted, finished, fit, rescored
 from tacos_gap.inference.problem import Hypothesis, Problem, robust, without
 from tacos_gap.inference.pruning import pruned as less_parameters
@@ -296,7 +296,7 @@ class Rounds:
 
     def pruned(self, fitted: Fitted) -> Fitted:
         """A converged fit, without parameters and effects that it does not need there."""
-        ended = self.fits.keep(self._to_the_digit(finished(self.problem, fitted)))
+        ended = self.fits.keep(self._in_other_words(self._to_the_digit(finished(self.problem, fitted))))
         least = max(COMPLEXITY_PENALTY / 3, LEAST_SHARE * (ended.score - self.fits.null.score))
         return self.backward_elimination(self.fits.keep(less_parameters(self.problem, ended, least)))
 
@@ -311,6 +311,20 @@ class Rounds:
             return fitted
         begun = fit(self.problem, hypothesis, near=fitted)
         return fitted if begun is None else max(fitted, finished(self.problem, begun), key=lambda f: f.score)
+
+    def _in_other_words(self, fitted: Fitted) -> Fitted:
+        """The best fit with another word in one setting, as for a way of rounding, and all else fitted to it.
+
+        Effects that came later may stand in for the right one: a darker exposure for half a code.
+        """
+        best = fitted
+        for term in fitted.hypothesis:
+            others = [each for each in fitted.hypothesis if each is not term]
+            for other in in_other_words(term):
+                begun = fit(self.problem, (*others, other), near=fitted)
+                if begun is not None and begun.score > best.score:
+                    best = max(best, finished(self.problem, begun), key=lambda each: each.score)
+        return best
 
     def backward_elimination(self, fitted: Fitted) -> Fitted:
         """Backward elimination: without effects that another made superfluous."""

@@ -84,6 +84,18 @@ def words_of(term: HypothesisTerm) -> dict[str, tuple[Any, ...]]:
     }
 
 
+def in_other_words(term: HypothesisTerm) -> Iterator[HypothesisTerm]:
+    """A term with each other word that one of its settings takes; none where files state it."""
+    now = term.placed()
+    if term.is_stated or now is None:
+        return
+    for name, choices in words_of(term).items():
+        for word in choices:
+            other = _with(term, name, word)
+            if word != getattr(now.config, name) and other.placed() is not None:
+                yield other
+
+
 def _guesses(term: HypothesisTerm) -> Iterator[Any]:
     yield from optional(term.cls, EffectBase, "initial_guesses") or ()
 

@@ -130,7 +130,7 @@ def _searched(problem: Problem, single: Problem, state: _State, iterations: int,
         worth = max(WORTH_A_STEP / (0.5 * problem.weight), sketch * _cost(state.z))
         moved = _improved(problem, state, worth)
         if moved is None:
-            if state.is_exact or iterations == 1 or (sketch and _promised(state, _first_move(state)) < worth):
+            if state.is_exact or iterations == 1 or (sketch and _first_promise(state) < worth):
                 break
             jacobian, _ = jacobian_at(single, state.hypothesis)
             state = replace(state, jacobian=jacobian, damping=1e-2, reach=REACH, is_exact=True)
@@ -194,16 +194,42 @@ def plain_jacobian(fitted: Fitted) -> NDArray[np.float64]:
     return np.asarray(fitted.jacobian / robust_derivative(fitted.z)[:, None])
 
 
-def _move(state: _State, damping: float) -> NDArray[np.float64]:
-    """(P,) damped Gauss-Newton step (Levenberg 1944) [steps that matter]."""
-    normal = state.jacobian.T @ state.jacobian
-    damped = normal + damping * (np.diag(np.diag(normal)) + 1e-9 * np.eye(len(normal)))
-    return np.asarray(-np.linalg.lstsq(damped, state.jacobian.T @ robust(state.z), rcond=None)[0])
+def _move(state: _State, damping: float, reach: float) -> tuple[NDArray[np.float64], float]:
+    """(P,) damped Gauss-Newton step within reach, and how long it would be [steps that matter].
+
+    Parameters that it would lead out of their bounds stay where they are, and the others make up for them.
+
+    Source: Levenberg 1944.
+    """
+    held = np.zeros(len(state.steps), bool)
+    while True:
+        jacobian = np.where(held, 0.0, state.jacobian)
+        normal = jacobian.T @ jacobian
+        damped = normal + damping * (np.diag(np.diag(normal)) + 1e-9 * np.eye(len(normal)))
+        move = np.asarray(-np.linalg.lstsq(damped, jacobian.T @ robust(state.z), rcond=None)[0], float)
+        length = float(np.abs(move).max())
+        move *= min(1.0, reach / max(length, 1e-9))
+        refused = _refused(state, move) & ~held
+        if not refused.any():
+            return move, length
+        held |= refused
 
 
-def _first_move(state: _State) -> NDArray[np.float64]:
-    move = _move(state, state.damping)
-    return move * min(1.0, state.reach / max(float(np.abs(move).max()), 1e-9))
+def _refused(state: _State, move: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """(P,) which parameters a move leads, each by itself, to where effects refuse them."""
+    theta, moved = theta_of(state.hypothesis), move * state.steps
+    if _is_allowed(with_theta(state.hypothesis, theta + moved)):
+        return np.zeros(len(move), bool)
+    alone = theta + np.diag(moved)
+    return np.array([not _is_allowed(with_theta(state.hypothesis, each)) for each in alone])
+
+
+def _is_allowed(hypothesis: Hypothesis) -> bool:
+    return all(term.placed() is not None for term in hypothesis)
+
+
+def _first_promise(state: _State) -> float:
+    return _promised(state, _move(state, state.damping, state.reach)[0])
 
 
 def _promised(state: _State, move: NDArray[np.float64]) -> float:
@@ -217,9 +243,7 @@ def _improved(problem: Problem, state: _State, worth: float) -> _State | None:
     theta, straight = theta_of(state.hypothesis), robust(state.z)
     damping, reach = state.damping, state.reach
     for _ in range(TRIES):
-        move = _move(state, damping)
-        length = float(np.abs(move).max())
-        move *= min(1.0, reach / max(length, 1e-9))
+        move, length = _move(state, damping, reach)
         if _promised(state, move) < worth:
             return None
         candidate = with_theta(state.hypothesis, theta + move * state.steps)
@@ -308,6 +332,6 @@ def _within_bounds(
     """As much of a move as the effects allow: no camera is predicted that none of them could be."""
     theta = theta_of(hypothesis)
     for share in (1.0, 0.5, 0.25, 0.125):
-        if all(term.placed() is not None for term in with_theta(hypothesis, theta + share * move * steps)):
+        if _is_allowed(with_theta(hypothesis, theta + share * move * steps)):
             return share * move
     return np.zeros_like(move)

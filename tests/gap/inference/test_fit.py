@@ -218,6 +218,30 @@ def test_a_fit_that_ends_below_one_of_fewer_effects_is_made_again_by_itself():
     assert found.hypothesis[1].values["slope"] == pytest.approx(5.0, abs=0.5)
 
 
+class Bounded(Slope):
+    """Evidence in which one of two parameters cannot be negative, and would be."""
+
+    class Effect(Slope.Effect):
+        """Two slopes, the second at least 0."""
+
+        class Config(Settings):
+            first: float = setting(0.0, help="One.")
+            second: float = setting(0.0, help="Another.", ge=0)
+
+
+def test_a_parameter_at_its_bound_does_not_hold_up_the_others():
+    of = Problem([Bounded(6.0, -3.0, seed) for seed in range(4)])
+    term = HypothesisTerm(
+        "slope", Bounded.Effect, {"first": 3.0, "second": 0.0}, {"first": 1.0, "second": 1.0}
+    )
+    found = fit(of, (term,))
+    assert found is not None
+    values = found.hypothesis[0].values
+    assert values["second"] == pytest.approx(0.0, abs=0.02)
+    least = float(np.mean([each.real @ X for each in of.evidence]) / (X @ X))
+    assert values["first"] == pytest.approx(least, abs=0.1)
+
+
 def test_captures_that_disagree_widen_the_interval():
     def reach(heights: Sequence[float]) -> float:
         of = Problem([Curve(height, 0.0, seed) for seed, height in enumerate(heights)])
