@@ -84,6 +84,13 @@ def test_what_is_there_is_seen_within_its_error_and_else_it_is_not(cls, wrong, p
     assert not any(each.is_seen(0.0) for each in absent.values()), name
 
 
+def test_defect_columns_are_no_pattern_of_all_columns():
+    camera = Camera(5)
+    camera.offsets = np.zeros((1, WIDTH))
+    camera.offsets[0, [20, 70, 130]] = 3.0
+    assert not told(Dsnu, camera)["column_sigma_dn"].is_seen(0.0)
+
+
 def test_rows_that_jump_are_no_crosstalk():
     assert not any(each.is_seen(0.0) for each in told(Crosstalk, Camera(6, rows=2.0)).values())
 

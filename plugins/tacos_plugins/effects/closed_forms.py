@@ -30,6 +30,7 @@ CUT_OFF = 0.01
 _FULL = 0.9  # of full scale: brighter walls begin to clip
 _LEAST_SIGNAL_DN = 10.0
 _FEWEST_PX = 40  # side of a picture that can be cut into parts
+_DEFECT = 7.5  # step between columns over the median one from which on one is defect: 5 standard deviations
 _WINDOW_PX = 7
 _LARGEST_PX = 1024
 _SHADING_TILES = (18, 24)
@@ -117,7 +118,7 @@ def pattern_variance(captures: Sequence[ObservedCapture], *, relative: bool) -> 
 
 
 def column_pattern_variance_dn2(captures: Sequence[ObservedCapture]) -> Measured | None:
-    """Variance of offsets of columns that repeat from frame to frame [DN^2]."""
+    """Variance of offsets of columns that repeat from frame to frame, but for defect ones [DN^2]."""
     found = []
     for capture in captures:
         if capture.frames < 2 or capture.context.cfa is not None:
@@ -125,7 +126,10 @@ def column_pattern_variance_dn2(captures: Sequence[ObservedCapture]) -> Measured
         frames = _middle(capture.real_dn)
         columns = [frames[half::2].mean(axis=(0, 1, 3), dtype=np.float64) for half in (0, 1)]
         one, other = map(np.diff, columns)
-        found += [float(part.mean()) for part in np.array_split(one * other / 2, PARTS[1])]
+        steps = np.abs(one + other)
+        usual = steps <= _DEFECT * max(float(np.median(steps)), 1e-9)
+        parts = np.array_split((one * other / 2)[usual], PARTS[1])
+        found += [float(part.mean()) for part in parts if part.size]
     return mean_of(found)
 
 
