@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from tacos_framework import culprit_of, generator, in_one_thread, usable_cores
+from tacos_framework import culprit_of, generator, in_one_thread
 from tacos_gap.answer.causes import cause_set_of, causes_of
 from tacos_gap.answer.detection_limits import detection_limits
 from tacos_gap.answer.findings import LEAST_PRESENT, Cause, Diagnosis, SoFar
+from tacos_gap.answer.gathering import gather, processes_for
 from tacos_gap.answer.next_capture import best_capture
 from tacos_gap.answer.transfer import of_each_capture, of_one_specimen
 from tacos_gap.answer.undiagnosed import nothing_measured
@@ -27,20 +27,9 @@ from tacos_gap.captures.coverage import (
     beyond_own_edges,
     beyond_own_levels,
 )
-from tacos_gap.captures.even_light import with_even_light
-from tacos_gap.captures.large import (
-    enough_pixels,
-    left_out,
-    measured_part,
-    not_searched_over,
-    part_of,
-    searched_over,
-)
-from tacos_gap.captures.mean_of_files import without_clipped_expectation
-from tacos_gap.captures.sharp_edges import with_sharp_edges
-from tacos_gap.evidence import Evidence, ImageEvidence, PictureEvidence
-from tacos_gap.evidence.boards import BoardEvidence, boards_found, evidence_of_boards, hidden_by_pose
-from tacos_gap.evidence.elsewhere import EvidenceProcess, measured, of_each, processes_beside, ready
+from tacos_gap.evidence import PictureEvidence
+from tacos_gap.evidence.boards import BoardEvidence, boards_found, hidden_by_pose
+from tacos_gap.evidence.elsewhere import of_each, ready
 from tacos_gap.hypotheses.candidates import Candidates
 from tacos_gap.hypotheses.closed_forms import ClosedForm, closed_forms, excluded, seen_terms
 from tacos_gap.hypotheses.kept import KeptTerm, kept_terms
@@ -51,8 +40,7 @@ from tacos_gap.inference.location import locate
 from tacos_gap.inference.problem import Hypothesis, Problem, placed_in
 from tacos_gap.inference.unknown import Unexplained, unexplained
 from tacos_gap.nuisances import light_beyond_stated
-from tacos_gap.statistics.unmeasured import is_cut_off, nothing_seen, unmeasured
-from tacos_gap.statistics.views import view_of
+from tacos_gap.statistics.unmeasured import is_cut_off
 
 LEAST_BESIDE_UNKNOWN = 0.1
 """Share of the gap that an effect must remove, or it must be proven, to be named beside something unknown."""
@@ -71,9 +59,6 @@ _BEYOND = (
 """Effects that captures cannot show, and in a few words, which captures these are."""
 
 CLOSED_FORMS = "closed-form estimates"
-
-MOST_PROCESSES = 4
-"""Processes that a diagnosis uses by itself: each takes .2 GiB beside its captures."""
 
 Notify = Callable[[str], None]
 
@@ -110,7 +95,7 @@ def diagnose(
     installed = considered.effects
     for beyond, by in _BEYOND:
         considered = considered.without_these(beyond(folder.captures, considered.effects), by)
-    others = processes_beside(_others_in_use(folder, workers), _needed(installed, folder.captures))
+    others = processes_for(folder, installed, workers)
     folder = boards_found(folder)
     tell(CLOSED_FORMS)
     told = _told(considered, folder.captures)
@@ -230,17 +215,6 @@ def _cut_short(attribution: Attribution) -> list[str]:
     ]
 
 
-def _others_in_use(folder: CaptureFolder, workers: int | None) -> int:
-    """Number of processes beside this one that have captures to simulate."""
-    most = workers or min(usable_cores(), MOST_PROCESSES)
-    return max(min(most, sum(capture.kind != "board" for capture in folder.captures)) - 1, 0)
-
-
-def _needed(effects: Mapping[str, type[Any]], captures: Sequence[RealCapture]) -> list[Any]:
-    """What a process must know to simulate captures."""
-    return [*effects.values(), *(capture.sensor for capture in captures if capture.sensor is not None)]
-
-
 def _nuisances(problem: Problem, best: Fitted) -> dict[str, dict[str, Any]]:
     each = [e for e in problem.evidence if isinstance(e, (PictureEvidence, BoardEvidence))]
     found = of_each(partial(_nuisances_beside, best.hypothesis), each)
@@ -249,65 +223,6 @@ def _nuisances(problem: Problem, best: Fitted) -> dict[str, dict[str, Any]]:
 
 def _nuisances_beside(hypothesis: Hypothesis, evidence: PictureEvidence | BoardEvidence) -> dict[str, Any]:
     return evidence.nuisances(placed_in(hypothesis, evidence))
-
-
-def gather(
-    folder: CaptureFolder, seed: int, processes: Sequence[EvidenceProcess] = ()
-) -> tuple[list[Evidence], list[str]]:
-    """Evidence of the captures, in this process and in others; and in sentences, what was left out."""
-    found = boards_found(folder).captures
-    captures = searched_over(found)
-    enough = enough_pixels(captures)
-    pictures = [_prepared(capture, enough) for capture in captures if capture.kind != "board"]
-    prepared = [each for each in pictures if not isinstance(each, str)]
-    images = measured(partial(_measured, seed), prepared, processes)
-    boards = evidence_of_boards([capture for capture in captures if capture.corners is not None], seed)
-    said = not_searched_over(found, captures)
-    said += [each for each in pictures if isinstance(each, str)]
-    said += [text for each in images for text in unmeasured(each.capture)]
-    whole = {capture.id: capture for capture in captures}
-    said += [text for each in images if (text := left_out(whole[each.capture.id], each.capture))]
-    return [*images, *boards], [*said, *(text for each in images if (text := _not_taken(each)))]
-
-
-def _not_taken(evidence: PictureEvidence) -> str:
-    """In a sentence, which statistics of a capture could not be taken; empty where all were."""
-    if not (names := evidence.left_out):
-        return ""
-    listed = ", ".join(view_of(name).title.lower() for name in names)
-    return f"{evidence.capture.id}: not compared, as some simulations gave no number: {listed}."
-
-
-def _prepared(capture: RealCapture, enough: int) -> RealCapture | str:
-    """The part of a picture that is measured, or in a sentence why it is left out."""
-    with _naming(capture):
-        if (reason := nothing_seen(capture)) is not None:
-            return reason
-        if capture.expected_dn is None:
-            capture = with_sharp_edges(capture)
-        if (reason := nothing_seen(capture)) is not None:
-            return reason
-        capture = without_clipped_expectation(capture)
-        if not capture.valid.any():
-            return f"{capture.id}: white has cut off the files its expectation is a mean of; it is left out."
-        if (part := measured_part(capture, enough)) is not None:
-            capture = part_of(capture, part)
-        return with_even_light(capture).of_at_most(enough)
-
-
-def _measured(seed: int, capture: RealCapture) -> PictureEvidence:
-    with _naming(capture):
-        return ImageEvidence(capture, seed).renuisanced(())
-
-
-@contextmanager
-def _naming(capture: RealCapture) -> Iterator[None]:
-    """What is raised inside names the capture."""
-    try:
-        yield
-    except Exception as error:
-        error.add_note(f"while measuring the capture {capture.id!r}")
-        raise
 
 
 def _verdict(causes: Sequence[Cause], before: float, after: float, left: Unexplained) -> str:

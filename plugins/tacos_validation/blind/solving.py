@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tacos_gap.answer.diagnosis import diagnose, gather
+from tacos_gap.answer.diagnosis import diagnose
+from tacos_gap.answer.gathering import gather
 from tacos_gap.captures import read_captures
 from tacos_gap.hypotheses.parameters import HypothesisTerm
 from tacos_gap.inference.problem import Problem

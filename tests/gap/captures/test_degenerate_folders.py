@@ -15,7 +15,8 @@ import pytest
 
 from tacos_framework.errors import UserError
 from tacos_framework.plugins import Plugins
-from tacos_gap.answer.diagnosis import diagnose, gather
+from tacos_gap.answer.diagnosis import diagnose
+from tacos_gap.answer.gathering import gather
 from tacos_gap.answer.undiagnosed import NothingMeasured
 from tacos_gap.captures import CaptureFolder, read_captures
 from tacos_gap.evidence import ImageEvidence
@@ -203,7 +204,7 @@ def test_what_is_raised_while_measuring_names_the_capture(tmp_path, monkeypatch)
     def broken(*_: Any) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr("tacos_gap.answer.diagnosis.ImageEvidence", broken)
+    monkeypatch.setattr("tacos_gap.answer.gathering.ImageEvidence", broken)
     with pytest.raises(ZeroDivisionError) as raised:
         gather(read_captures(folder_of(tmp_path, **DEGENERATE["constant"])), seed=0)
     assert raised.value.__notes__ == ["while measuring the capture 'it'"]

@@ -9,7 +9,7 @@ import pytest
 
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
 from tacos_framework.values import ImageContext, ImageGeometry
-from tacos_gap.answer.diagnosis import gather
+from tacos_gap.answer.gathering import gather
 from tacos_gap.captures import CaptureFolder
 from tacos_gap.captures.capture import Noise, RealCapture
 from tacos_gap.captures.large import (
