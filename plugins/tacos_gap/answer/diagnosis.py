@@ -84,7 +84,7 @@ def diagnose(
     - `workers`: processes, each of which simulates captures of its own; None for one for each core, at most
       four. It is this one alone where effects cannot travel to others.
     - `simulations`: those of all captures after which no further effect is looked for; by default as many as
-      take about a minute of processor time.
+      take about a minute of two cores.
     - `keep`: given what is known so far, first what arithmetic tells, then each explanation that is found.
     - `begun`: an explanation that an earlier search had come to; this one goes on from there.
 

@@ -84,7 +84,7 @@ class Diagnose:
         simulations: int | None = setting(
             None,
             help="Simulations of all captures after which no further effect is looked for; by default as "
-            "many as take about a minute of processor time.",
+            "many as take about a minute of two cores.",
             ge=1,
         )
         study: str = setting(
