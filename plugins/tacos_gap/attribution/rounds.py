@@ -313,17 +313,18 @@ class Rounds:
         return fitted if begun is None else max(fitted, finished(self.problem, begun), key=lambda f: f.score)
 
     def _in_other_words(self, fitted: Fitted) -> Fitted:
-        """The best fit with another word in one setting, as for a way of rounding, and all else fitted to it.
+        """A fit with another word in one setting, as for a way of rounding, where all else fits much better.
 
         Effects that came later may stand in for the right one: a darker exposure for half a code.
         """
-        best = fitted
+        best, least = fitted, fitted.score + COMPLEXITY_PENALTY
         for term in fitted.hypothesis:
             others = [each for each in fitted.hypothesis if each is not term]
             for other in in_other_words(term):
                 begun = fit(self.problem, (*others, other), near=fitted)
-                if begun is not None and begun.score > best.score:
-                    best = max(best, finished(self.problem, begun), key=lambda each: each.score)
+                if begun is not None and begun.score > least:
+                    best = finished(self.problem, begun)
+                    least = best.score
         return best
 
     def backward_elimination(self, fitted: Fitted) -> Fitted:
