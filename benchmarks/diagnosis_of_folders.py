@@ -43,7 +43,7 @@ POSES = [(0.0, 0.0), (0.5, 0.0), (-0.5, 0.1), (0.0, 0.6), (0.0, -0.6), (0.4, 0.4
 def main() -> None:
     """Measure each of the folders that are named."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("folders", nargs="*", default=list(GOALS), choices=GOALS, metavar="FOLDER")
+    parser.add_argument("folders", nargs="+", choices=GOALS, metavar="FOLDER")
     context = multiprocessing.get_context("spawn")
     for name in parser.parse_args().folders:
         with tempfile.TemporaryDirectory() as temporary:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -57,6 +58,18 @@ def test_a_known_fisheye_is_calibrated_beyond_what_it_is_known_for():
             (beyond, 0, 0, 0), abs=2e-3
         )
         assert calibrated(believed) is None
+
+
+def test_a_calibration_is_the_same_to_the_bit_each_time():
+    boards = views(noise_px=0.1, brown=(-0.2, 0.05, 0, 0, 0))
+    before = cv2.getNumThreads()
+    cv2.setNumThreads(4)
+    try:
+        found = [calibrated(boards, free=FREE) for _ in range(8)]
+        assert cv2.getNumThreads() == 4
+    finally:
+        cv2.setNumThreads(before)
+    assert len({each.focal_px for each in found if each is not None}) == 1
 
 
 def test_crops_share_a_lens():

@@ -20,6 +20,7 @@ from tacos_gap.photographs.facts import OF_NAME
 from tacos_gap.photographs.given import Given, Guess
 from tacos_gap.photographs.names import of_several_cameras
 from tacos_gap.photographs.picture import Picture
+from tacos_plugins.effects.board_calibration import opencv_in_one_thread
 from tacos_plugins.effects.darks import pedestal_dn
 
 USUAL_PIXEL_UM = 3.0
@@ -248,9 +249,10 @@ def focal_px_of_views(views: Sequence[BoardView], size_px: tuple[int, int]) -> f
     )
     points, corners = zip(*((view.points, view.corners_px.reshape(-1, 1, 2)) for view in views), strict=True)
     try:
-        rms, matrix, *_ = cv2.calibrateCamera(
-            points, corners, size_px, guess, None, flags=flags | cv2.CALIB_USE_INTRINSIC_GUESS
-        )
+        with opencv_in_one_thread():
+            rms, matrix, *_ = cv2.calibrateCamera(
+                points, corners, size_px, guess, None, flags=flags | cv2.CALIB_USE_INTRINSIC_GUESS
+            )
     except cv2.error:  # views that are all alike
         return None
     return float(matrix[0, 0]) if rms < 1.5 else None

@@ -6,6 +6,7 @@ Source: Zhang 2000, "A flexible new technique for camera calibration", IEEE Tran
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -62,8 +63,20 @@ def calibrated(
     if fisheye and "focal_length" in free:
         starts.append(boards.middle_px / _ASIDE_RAD)
     solve = _fisheye if fisheye else _brown
-    found = [each for start in starts if (each := solve(boards, start, terms, free))]
+    with opencv_in_one_thread():
+        found = [each for start in starts if (each := solve(boards, start, terms, free))]
     return min(found, key=lambda each: each.rms_px, default=None)
+
+
+@contextmanager
+def opencv_in_one_thread() -> Iterator[None]:
+    """Several add up the views as they finish: the last digits then differ from run to run."""
+    before = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(before)
 
 
 @dataclass(frozen=True, eq=False)
