@@ -317,15 +317,16 @@ class Rounds:
 
         Effects that came later may stand in for the right one: a darker exposure for half a code.
         """
-        best, least = fitted, fitted.score + COMPLEXITY_PENALTY
+        found = []
+        least = fitted.score + COMPLEXITY_PENALTY
         for term in fitted.hypothesis:
             others = [each for each in fitted.hypothesis if each is not term]
             for other in in_other_words(term):
                 begun = fit(self.problem, (*others, other), near=fitted)
                 if begun is not None and begun.score > least:
-                    best = finished(self.problem, begun)
-                    least = best.score
-        return best
+                    found.append(finished(self.problem, begun))
+        best = max(found, key=lambda each: each.score, default=fitted)
+        return best if best.score > least else fitted
 
     def backward_elimination(self, fitted: Fitted) -> Fitted:
         """Backward elimination: without effects that another made superfluous."""
