@@ -25,8 +25,8 @@ from tacos_gap.evidence import Evidence, PictureEvidence, ReplicateResiduals
 from tacos_gap.hypotheses.parameters import HypothesisTerm
 from tacos_gap.inference.alternative_guesses import in_its_best_form
 from tacos_gap.inference.codec import codec_of_files
-from tacos_gap.inference.discrete import in_other_words, searched
-from tacos_gap.inference.fit import DRAWS, Fitted, finished, fit, rescored
+from tacos_gap.inference.discrete_refits import in_other_words, to_the_digit
+from tacos_gap.inference.fit import Fitted, finished, fit, rescored
 from tacos_gap.inference.problem import Hypothesis, Problem, robust, without
 from tacos_gap.inference.pruning import pruned as less_parameters
 from tacos_gap.inference.screening import (
@@ -296,37 +296,10 @@ class Rounds:
 
     def pruned(self, fitted: Fitted) -> Fitted:
         """A converged fit, without parameters and effects that it does not need there."""
-        ended = self.fits.keep(self._in_other_words(self._to_the_digit(finished(self.problem, fitted))))
+        ended = to_the_digit(self.problem, finished(self.problem, fitted))
+        ended = self.fits.keep(in_other_words(self.problem, ended, COMPLEXITY_PENALTY))
         least = max(COMPLEXITY_PENALTY / 3, LEAST_SHARE * (ended.score - self.fits.null.score))
         return self.backward_elimination(self.fits.keep(less_parameters(self.problem, ended, least)))
-
-    def _to_the_digit(self, fitted: Fitted) -> Fitted:
-        """A fit whose discrete settings are the best of their neighbours, by several simulations."""
-        averaged = self.problem.averaging(max(DRAWS, self.problem.draws))
-        hypothesis = fitted.hypothesis
-        for name in fitted.names:
-            term = next(term for term in hypothesis if term.name == name)
-            hypothesis = searched(averaged, (*without(hypothesis, name), term), farthest=1)
-        if {term.name: term for term in hypothesis} == {term.name: term for term in fitted.hypothesis}:
-            return fitted
-        begun = fit(self.problem, hypothesis, near=fitted)
-        return fitted if begun is None else max(fitted, finished(self.problem, begun), key=lambda f: f.score)
-
-    def _in_other_words(self, fitted: Fitted) -> Fitted:
-        """A fit with another word in one setting, as for a way of rounding, where all else fits much better.
-
-        Effects that came later may stand in for the right one: a darker exposure for half a code.
-        """
-        found = []
-        least = fitted.score + COMPLEXITY_PENALTY
-        for term in fitted.hypothesis:
-            others = [each for each in fitted.hypothesis if each is not term]
-            for other in in_other_words(term):
-                begun = fit(self.problem, (*others, other), near=fitted)
-                if begun is not None and begun.score > least:
-                    found.append(finished(self.problem, begun))
-        best = max(found, key=lambda each: each.score, default=fitted)
-        return best if best.score > least else fitted
 
     def backward_elimination(self, fitted: Fitted) -> Fitted:
         """Backward elimination: without effects that another made superfluous."""

@@ -6,7 +6,6 @@ Threads would take turns, since a simulation is made of many short steps of the 
 from __future__ import annotations
 
 import pickle
-import signal
 import subprocess
 import sys
 import weakref
@@ -27,6 +26,7 @@ from tacos_gap.evidence.contract import Evidence, Label, PictureEvidence, Replic
 from tacos_gap.evidence.keeper import Job, Keeper, Kept
 from tacos_plugins.executors.outcomes import WorkerTraceback
 from tacos_plugins.executors.worker import Answer
+from tacos_plugins.executors.worker_process import ending_in_words
 
 Result = TypeVar("Result")
 
@@ -191,15 +191,10 @@ def _end(process: subprocess.Popen[bytes], channel: Connection) -> None:
 
 
 def _ended(process: subprocess.Popen[bytes]) -> UserError:
-    code = process.wait()
-    how = f"with status {code}"
-    if -code in set(signal.Signals):
-        how = f"by {signal.Signals(-code).name}"
-        how += " (most often because memory ran out)" if -code == signal.SIGKILL else ""
     return UserError(
         Fault(
             "workers",
-            f"a process that simulates captures was ended {how}",
+            f"a process that simulates captures {ending_in_words(process.wait())}",
             "processes that run to the end of the diagnosis",
             "Set workers: 1 to have all captures in one process, and --resume to go on from what was found.",
         )

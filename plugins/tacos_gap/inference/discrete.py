@@ -84,7 +84,7 @@ def words_of(term: HypothesisTerm) -> dict[str, tuple[Any, ...]]:
     }
 
 
-def in_other_words(term: HypothesisTerm) -> Iterator[HypothesisTerm]:
+def with_other_words(term: HypothesisTerm) -> Iterator[HypothesisTerm]:
     """A term with each other word that one of its settings takes; none where files state it."""
     now = term.placed()
     if term.is_stated or now is None:

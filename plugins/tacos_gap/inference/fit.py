@@ -25,7 +25,14 @@ from tacos_gap.inference.jacobian import (
     theta_of,
     with_theta,
 )
-from tacos_gap.inference.problem import ROBUST_SCALE, Hypothesis, Problem, robust, robust_derivative
+from tacos_gap.inference.problem import (
+    ROBUST_SCALE,
+    Hypothesis,
+    Problem,
+    is_allowed,
+    robust,
+    robust_derivative,
+)
 
 ITERATIONS = 10
 REACH = 4.0
@@ -218,14 +225,10 @@ def _move(state: _State, damping: float, reach: float) -> tuple[NDArray[np.float
 def _refused(state: _State, move: NDArray[np.float64]) -> NDArray[np.bool_]:
     """(P,) which parameters a move leads, each by itself, to where effects refuse them."""
     theta, moved = theta_of(state.hypothesis), move * state.steps
-    if _is_allowed(with_theta(state.hypothesis, theta + moved)):
+    if is_allowed(with_theta(state.hypothesis, theta + moved)):
         return np.zeros(len(move), bool)
     alone = theta + np.diag(moved)
-    return np.array([not _is_allowed(with_theta(state.hypothesis, each)) for each in alone])
-
-
-def _is_allowed(hypothesis: Hypothesis) -> bool:
-    return all(term.placed() is not None for term in hypothesis)
+    return np.array([not is_allowed(with_theta(state.hypothesis, each)) for each in alone])
 
 
 def _first_promise(state: _State) -> float:
@@ -332,6 +335,6 @@ def _within_bounds(
     """As much of a move as the effects allow: no camera is predicted that none of them could be."""
     theta = theta_of(hypothesis)
     for share in (1.0, 0.5, 0.25, 0.125):
-        if _is_allowed(with_theta(hypothesis, theta + share * move * steps)):
+        if is_allowed(with_theta(hypothesis, theta + share * move * steps)):
             return share * move
     return np.zeros_like(move)

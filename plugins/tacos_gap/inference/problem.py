@@ -78,6 +78,11 @@ def placed(hypothesis: Hypothesis, capture: str | None = None) -> list[PlacedEff
     return [effect for term in hypothesis if (effect := term.placed(capture)) is not None]
 
 
+def is_allowed(hypothesis: Hypothesis) -> bool:
+    """True if no effect refuses its values."""
+    return all(term.placed() is not None for term in hypothesis)
+
+
 def placed_in(hypothesis: Hypothesis, evidence: Evidence) -> list[PlacedEffect]:
     """The effects of a hypothesis for the capture that evidence is of; boards are adjusted all together."""
     return placed(hypothesis, evidence.capture.id if isinstance(evidence, PictureEvidence) else None)
@@ -170,7 +175,7 @@ class Problem:
     def residual(self, hypothesis: Hypothesis) -> NDArray[np.float64] | None:
         """(K,) residuals in units of the noise floor; None where an effect refuses its parameters."""
         key = f"{self.draws} {_key(hypothesis)}"
-        if len(placed(hypothesis)) < len(hypothesis):
+        if not is_allowed(hypothesis):
             return None
         if key not in self._kept:
             self._tally.simulations += self.draws

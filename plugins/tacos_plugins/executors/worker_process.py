@@ -57,9 +57,17 @@ class WorkerProcess(PoolWorker):
     def how_it_ended(self) -> str:
         """The end of the process, in words."""
         self.process.join()
-        code = self.process.exitcode or 0
-        if code >= 0:
-            return f"its worker process ended with status {code}"
-        name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
-        out_of_memory = " (most often because memory ran out)" if -code == signal.SIGKILL else ""
-        return f"its worker process was ended by {name}{out_of_memory}"
+        return f"its worker process {ending_in_words(self.process.exitcode or 0)}"
+
+
+def ending_in_words(code: int) -> str:
+    """The end of a process by its exit code, negative for a signal.
+
+    >>> ending_in_words(3), ending_in_words(-15)
+    ('ended with status 3', 'was ended by SIGTERM')
+    """
+    if code >= 0:
+        return f"ended with status {code}"
+    name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
+    out_of_memory = " (most often because memory ran out)" if -code == signal.SIGKILL else ""
+    return f"was ended by {name}{out_of_memory}"
