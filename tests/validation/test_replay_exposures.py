@@ -78,6 +78,26 @@ def test_a_response_is_found_from_exposures_of_one_scene() -> None:
     np.testing.assert_allclose(found.light_dn[inside], 4095 * (found.code_dn[inside] / 4095) ** 2, rtol=0.02)
 
 
+def test_a_told_response_is_mended_where_exposures_contradict_it(tmp_path: Path) -> None:
+    rng = np.random.default_rng(3)
+    texture = np.exp(rng.uniform(np.log(100), np.log(950), (96, 128)))
+    lines = ["file,taken_ns"]
+    for place, ms in enumerate((1, 2, 4)):
+        for frame in range(2):
+            light = np.clip(texture * ms + rng.normal(0, 2, texture.shape), 0, 4095)
+            cv2.imwrite(str(tmp_path / f"{ms:02d}ms_{frame}.png"), light.astype(np.uint16))
+            lines.append(f"{ms:02d}ms_{frame}.png,{frame * STEP_NS + place * 30_000_000}")
+    (tmp_path / "times.csv").write_text("\n".join(lines))
+    codes = np.linspace(0, 4095, 256)
+    np.savetxt(tmp_path / "response.txt", codes + np.maximum(codes - 2500, 0))  # true up to code 2500
+    found = read_recording(tmp_path)
+    assert "beyond, where they contradict it" in found.response_from
+    assert found.told_response is not None
+    there = found.response.light(np.array([1000, 2000, 3700], np.uint16))
+    np.testing.assert_allclose(there / there[0], [1, 2, 3.7], rtol=0.06)  # told: 4.9
+    assert found.clipped("4") > 0  # what was mended stays doubtful
+
+
 def test_blur_along_the_path_is_the_mean_over_the_longer_exposure() -> None:
     columns = np.arange(128, dtype=np.float32)
     source = np.tile(np.sin(columns / 6), (64, 1)).astype(np.float32)

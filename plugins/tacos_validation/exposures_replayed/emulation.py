@@ -73,16 +73,9 @@ class Replay:
         own_ms = self.recording.exposures[self.source].exposure_ms
         target_ms = self.recording.exposures[self.target].exposure_ms
         own_s, target_s = self._middles_s(self.source), self._middles_s(self.target)
-        every_colour = self.light_dn[:, ::3, ::3]
-        lowest_dn, highest_dn = -np.inf, np.inf
-        if doubled == "highlights":
-            clipped = self.recording.clipped(self.source)
-            highest_dn = float(np.quantile(every_colour, max(0.0, 1 - 2 * clipped)))
-        if doubled == "shadows":
-            cut_off = self.recording.cut_off(self.source)
-            lowest_dn = float(np.quantile(every_colour, min(1.0, 2 * cut_off)))
+        frames_dn = self._light_lacking(doubled)
         for own, wanted in self.moments():
-            light_dn = np.clip(self.light_dn[own], np.float32(lowest_dn), np.float32(highest_dn))
+            light_dn = frames_dn[own]
             middle_s, wanted_ms = target_s[wanted], target_ms
             if doubled == "blur":
                 middle_s, wanted_ms = own_s[own], 2 * own_ms - target_ms
@@ -101,3 +94,20 @@ class Replay:
                 missing_dn2 = -missing_dn2
             drawn = rng.standard_normal(light_dn.shape, np.float32) * np.sqrt(np.maximum(missing_dn2, 0))
             yield self.recording.response.codes(light_dn + drawn)
+
+    def _light_lacking(self, doubled: Lack | None) -> NDArray[np.float32]:
+        """(N, H, W) light of the source's frames with twice the samples clipped or cut off [DN].
+
+        A response that was told and mended in the highlights is as it was told there: what two responses
+        make of them is not to be trusted where it decides.
+        """
+        light_dn, every_colour = self.light_dn, self.light_dn[:, ::3, ::3]
+        if doubled == "shadows":
+            share = 2 * self.recording.cut_off(self.source)
+            return np.maximum(light_dn, np.float32(np.quantile(every_colour, min(1.0, share))))
+        if doubled == "highlights":
+            share = 2 * self.recording.clipped(self.source)
+            if (told := self.recording.told_response) is not None:
+                light_dn = told.light(self.recording.exposures[self.source].codes_dn)
+            return np.minimum(light_dn, np.float32(np.quantile(every_colour, max(0.0, 1 - share))))
+        return light_dn

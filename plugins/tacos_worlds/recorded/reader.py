@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tacos_files.camera_images import PICTURE_SUFFIXES, has_one_value, read_frame, usual_bit_depth
 from tacos_framework import Fault, UserError
@@ -24,7 +26,7 @@ from tacos_worlds.recorded.consistency import (
 )
 from tacos_worlds.recorded.recording import ExposedFrames, Recording, green_on_diagonal
 from tacos_worlds.recorded.response import Response, estimated_response, linear_response, tabled_response
-from tacos_worlds.recorded.saturation import clipping_codes
+from tacos_worlds.recorded.saturation import AGREEMENT, clipping_codes, trusted_codes
 from tacos_worlds.recorded.times import TIMES, named_ms, read_times
 
 ResponseFrom = Literal["recorded", "linear", "estimated"]
@@ -140,8 +142,11 @@ def read_recording(
     found_response: Response | None
     if response == "linear":
         found_response, origin = linear_response((1 << bits) - 1), "The samples are taken to be linear."
+        told_response = None
     else:
-        found_response, origin = _response(path, fit, bits, faults, bad, told=response == "recorded")
+        found_response, origin, told_response = _response(
+            path, fit, bits, faults, bad, clipping_dn, told=response == "recorded"
+        )
     if found_response is not None:
         for fault, exposure_ms in faults_of_brightness(path, fit, found_response, bits):
             faults.append(fault)
@@ -158,7 +163,7 @@ def read_recording(
         raise UserError(faults)
     shown = max(found.values(), key=lambda each: float(np.median(each.codes_dn)))
     diagonal = green_on_diagonal(shown.codes_dn[:2])
-    return Recording(found, bits, found_response, origin, clipping_dn, diagonal)
+    return Recording(found, bits, found_response, origin, clipping_dn, told_response, diagonal)
 
 
 def _entries(path: Path, faults: list[Fault]) -> list[_Entry]:
@@ -237,14 +242,16 @@ def _response(
     bits: int,
     faults: list[Fault],
     bad: set[float],
+    clipping_dn: NDArray[np.int64],
     *,
     told: bool,
-) -> tuple[Response | None, str]:
+) -> tuple[Response | None, str, Response | None]:
+    """The response, where it comes from, and the one that was told where the exposures contradict it."""
     file, white_dn = path / RESPONSE, (1 << bits) - 1
     if told and file.is_file():
         try:
             values = np.array(read_text(file).split(), np.float64)
-            return tabled_response(values, white_dn), f"The response is that of {RESPONSE}."
+            return _borne_out(tabled_response(values, white_dn), fit, clipping_dn)
         except ValueError as error:
             faults.append(
                 Fault(
@@ -254,7 +261,7 @@ def _response(
                     "Take it out to have the response estimated.",
                 )
             )
-            return None, ""
+            return None, "", None
     if len(fit) < 2:
         if not faults:
             faults.append(
@@ -265,7 +272,7 @@ def _response(
                     "Say so where samples are linear.",
                 )
             )
-        return None, ""
+        return None, "", None
     brightness = [float(np.median(each.codes_dn)) for each in fit.values()]
     names = list(fit)
     fell = [i for i in range(1, len(names)) if brightness[i] < brightness[i - 1]]
@@ -282,7 +289,25 @@ def _response(
             )
         )
     if fell:
-        return None, ""
+        return None, "", None
     stacks = {each.exposure_ms: each.codes_dn for each in fit.values()}
     said = "The response was estimated from the exposures themselves."
-    return estimated_response(stacks, white_dn), said
+    return estimated_response(stacks, white_dn), said, None
+
+
+def _borne_out(
+    told: Response, fit: Mapping[str, ExposedFrames], clipping_dn: NDArray[np.int64]
+) -> tuple[Response, str, Response | None]:
+    """A told response as far as the exposures bear it out, and from there on what they make of it; where it
+    comes from; and the told one, where it was mended.
+    """
+    frames = {each.exposure_ms: each.codes_dn for each in fit.values()}
+    said = f"The response is that of {RESPONSE}"
+    if trusted_codes(frames, told, clipping_dn).min() == clipping_dn.min():
+        return told, f"{said}.", None
+    estimated = estimated_response(frames, int(told.code_dn[-1]))
+    trusted_dn = int(
+        trusted_codes(frames, told, clipping_dn, AGREEMENT / 3).min()
+    )  # off by less where it ends
+    said = f"{said} up to code {trusted_dn}, and that of the exposures beyond, where they contradict it."
+    return told.continued(estimated, trusted_dn), said, told

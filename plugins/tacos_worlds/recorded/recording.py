@@ -40,6 +40,8 @@ class Recording:
     response_from: str  # where the response comes from, in a sentence
     clipping_codes: NDArray[np.int64]
     """(2, 2) codes from which samples are clipped, as `saturation` finds them."""
+    told_response: Response | None = None
+    """The response that was told, where the exposures contradict it in part; then `response` is mended."""
     green_on_diagonal: bool = False  # true if the mosaic has green at (0, 0) and (1, 1)
 
     @property
@@ -60,7 +62,7 @@ class Recording:
     @cached_property
     def _top_codes(self) -> NDArray[np.int64]:
         frames = {each.exposure_ms: each.codes_dn for each in self.exposures.values()}
-        return trusted_codes(frames, self.response, self.clipping_codes)
+        return trusted_codes(frames, self.told_response or self.response, self.clipping_codes)
 
     @property
     def clipping_dn(self) -> float:

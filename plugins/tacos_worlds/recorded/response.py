@@ -35,6 +35,16 @@ class Response:
         found = np.interp(light_dn, self.light_dn, self.code_dn)
         return np.rint(found).astype(np.uint16)
 
+    def continued(self, other: Response, code_dn: float) -> Response:
+        """This response up to a code, and from there on as another one rises [DN]."""
+        here = float(np.interp(code_dn, self.code_dn, self.light_dn))
+        there = float(np.interp(code_dn, other.code_dn, other.light_dn))
+        own, beyond = self.code_dn < code_dn, other.code_dn > code_dn
+        return Response(
+            np.concatenate([self.code_dn[own], [code_dn], other.code_dn[beyond]]),
+            np.concatenate([self.light_dn[own], [here], other.light_dn[beyond] * here / there]),
+        )
+
 
 def linear_response(white_dn: int) -> Response:
     """Response of raw samples."""

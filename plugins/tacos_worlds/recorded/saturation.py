@@ -20,7 +20,7 @@ _LOWEST = 0.9
 _BEYOND = 0.01
 """Share of samples beyond a pile: noise spreads it, and light reaches no further."""
 _RANKS = 1 - np.geomspace(0.5, 3e-4, 48)
-_AGREEMENT = 0.15
+AGREEMENT = 0.15
 """Light of one rank in two exposures may differ so much from the ratio of their times: as much as whole
 exposures may, before they are refused [1]."""
 
@@ -40,14 +40,18 @@ def clipping_codes(codes_dn: NDArray[np.uint16], white_dn: int) -> NDArray[np.in
 
 
 def trusted_codes(
-    frames_dn: Mapping[float, NDArray[np.uint16]], response: Response, clipping_dn: NDArray[np.int64]
+    frames_dn: Mapping[float, NDArray[np.uint16]],
+    response: Response,
+    clipping_dn: NDArray[np.int64],
+    agreement: float = AGREEMENT,
 ) -> NDArray[np.int64]:
     """(2, 2) codes up to which exposures agree on the light, at most those of clipping [DN].
 
     Brightness ranks alike in all exposures, so light of one rank is in proportion to their times, or the
     response is wrong there.
 
-    `frames_dn`: (N, H, W) codes by exposure time.
+    - `frames_dn`: (N, H, W) codes by exposure time.
+    - `agreement`: by how much light of one rank may differ from the ratio of the times [1].
     """
     trusted = clipping_dn.copy()
     for short, long in pairwise(sorted(frames_dn)):
@@ -56,7 +60,7 @@ def trusted_codes(
             ratio = np.interp(codes, response.code_dn, response.light_dn) / np.maximum(
                 np.interp(darker, response.code_dn, response.light_dn), 1e-9
             )
-            agree = np.abs(ratio * short / long - 1) <= _AGREEMENT
+            agree = np.abs(ratio * short / long - 1) <= agreement
             told = codes < clipping_dn[row, column]
             if (agree & told).any() and (beyond := codes[told][np.flatnonzero(agree[told])[-1] + 1 :]).any():
                 trusted[row, column] = min(trusted[row, column], beyond[0])
