@@ -149,8 +149,9 @@ def _effect_use(name: str) -> str:
 def _kind_of_catalog(what: str) -> Literal["parts", "cameras"] | None:
     """The catalog that a user names, if it is one: by its name, its ending, or the content of the file."""
     from tacos_framework import catalog_names, read_yaml
+    from tacos_framework.files import CSV_SUFFIXES
 
-    if what in catalog_names() or what.lower().endswith(".csv"):
+    if what in catalog_names() or what.lower().endswith(CSV_SUFFIXES):
         return "parts"
     path = Path(what)
     if path.suffix.lower() in (".yaml", ".yml") and path.is_file():

@@ -40,6 +40,12 @@ UNITS = {
 }
 """The unit that the end of a column's name stands for: ``pixel_um`` is in um."""
 
+_ENDS = {**{unit.lower(): end for end, unit in UNITS.items()}, **{end: end for end in UNITS}}
+_HEADING = re.compile(r"(.*\S)\s*[\[(]([^\])]+)[\])]")
+"""A heading with its unit in brackets."""
+_SAME = {"pixel_size_um": "pixel_um", "pixel_pitch_um": "pixel_um"}
+"""Other words for columns."""
+
 SIZE_TOLERANCE = 0.01
 """Relative difference above which a size and its pixels times their pitch are said to clash."""
 
@@ -170,6 +176,19 @@ def checked_value(column: CatalogColumn, given: Any) -> tuple[Value, str, str]:
             return None, f"{given:g}, which is not whole", ""
         return int(given), "", ""
     return float(given), "", ""
+
+
+def column_called(heading: str) -> str:
+    """The name of a column whose heading has capitals, blanks, or its unit in brackets.
+
+    >>> column_called("Pixel size [um]"), column_called("WIDTH_PX"), column_called("read noise (e-)")
+    ('pixel_um', 'width_px', 'read_noise_e')
+    """
+    name = re.sub("[\u00b5\u03bc]", "u", heading.lower())
+    if (found := _HEADING.fullmatch(name)) and (end := _ENDS.get(found[2])):
+        name = f"{found[1]}_{end}"
+    name = re.sub(r"\s+", "_", name)
+    return _SAME.get(name, name)
 
 
 def unit_of(name: str) -> str | None:

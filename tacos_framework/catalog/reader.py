@@ -10,10 +10,17 @@ from typing import Any, Literal, TypeVar
 
 from pydantic import ConfigDict
 
-from tacos_framework.catalog.checks import CatalogCell, PartChecker, RawPart, checked_value, unit_of
+from tacos_framework.catalog.checks import (
+    CatalogCell,
+    PartChecker,
+    RawPart,
+    checked_value,
+    column_called,
+    unit_of,
+)
 from tacos_framework.catalog.parts import Catalog, CatalogColumn, Scheme
 from tacos_framework.errors import Fault, UserError, did_you_mean
-from tacos_framework.files import read_csv
+from tacos_framework.files import CSV_SUFFIXES, read_csv
 from tacos_framework.packaged_resources import find_file, shipped_folder, shipped_names
 from tacos_framework.settings import Settings, check, setting
 from tacos_framework.settings.yaml_document import Document
@@ -134,7 +141,7 @@ def _kept(path: Path, _mtime_ns: int, _size: int, read: Callable[[Path], Any]) -
 
 
 def _read(path: Path) -> Catalog:
-    if path.suffix.lower() == ".csv":
+    if path.suffix.lower() in CSV_SUFFIXES:
         return _from_csv(path)
     return _from_yaml(path.stem, read_yaml(path))
 
@@ -247,9 +254,12 @@ def _cell(
 def _from_csv(path: Path) -> Catalog:
     """A table whose first line names the columns: ``name``, and names that end in their unit."""
     lines = read_csv(path)
-    heading = lines[0][1] if lines else []
+    first = lines[0][1] if lines else []
+    heading = [column_called(each) for each in first]
+    while heading and not heading[-1]:  # spreadsheets leave empty columns at the end
+        heading.pop()
     if "name" not in heading:
-        what = f"the first line names no column 'name', but {', '.join(heading) or 'nothing'}"
+        what = f"the first line names no column 'name', but {', '.join(first) or 'nothing'}"
         expected = "name, then columns that end in their unit, as in pixel_um"
         raise UserError(Fault(f"{path}:1", what, expected))
     faults = [
@@ -261,12 +271,12 @@ def _from_csv(path: Path) -> Catalog:
         if not any(line):
             continue
         where = f"{path}:{number}"
-        if len(line) != len(heading):
+        if len(line) < len(heading) or any(line[len(heading) :]):
             faults.append(
                 Fault(where, f"this line has {len(line)} values", f"{len(heading)}, as the first line")
             )
             continue
-        raws.append(_raw_line(where, dict(zip(heading, line, strict=True)), path.name, faults))
+        raws.append(_raw_line(where, dict(zip(heading, line, strict=False)), path.name, faults))
         if not raws[-1].name:
             faults.append(Fault(where, "this part has no name"))
     columns = [_csv_column(name, raws) for name in heading if name not in ("name", *PartEntry.model_fields)]

@@ -6,7 +6,7 @@ will take, refuses what is above a stated limit, and says what is wrong in a `ta
 
 ``regular``  bytes of a regular file, not too many, not from elsewhere
 ``limits``   how much a file may take, and how a user changes that
-``text``     text in UTF-8; JSON; tables of comma-separated values
+``text``     text; JSON; tables of comma-separated values
 ``folders``  folders that commands write into
 ``trees``    checksums of files and folders, to tell whether they have changed
 
@@ -17,21 +17,34 @@ from __future__ import annotations
 
 from tacos_framework.files.folders import made_folder
 from tacos_framework.files.limits import MB, Limits, limits
-from tacos_framework.files.regular import read_bytes, too_large
-from tacos_framework.files.text import parse_json, read_csv, read_json, read_lines, read_text
+from tacos_framework.files.regular import named_file, read_bytes, too_large
+from tacos_framework.files.text import (
+    CSV_SUFFIXES,
+    decoded,
+    parse_json,
+    read_csv,
+    read_json,
+    read_lines,
+    read_rows,
+    read_text,
+)
 from tacos_framework.files.trees import checksums_below
 
 __all__ = [
+    "CSV_SUFFIXES",
     "MB",
     "Limits",
     "checksums_below",
+    "decoded",
     "limits",
     "made_folder",
+    "named_file",
     "parse_json",
     "read_bytes",
     "read_csv",
     "read_json",
     "read_lines",
+    "read_rows",
     "read_text",
     "too_large",
 ]

@@ -6,7 +6,7 @@ import errno
 import os
 import stat
 from io import BufferedReader
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from tacos_framework.errors import Fault, UserError
 from tacos_framework.files.limits import MB, limits
@@ -93,6 +93,18 @@ def _checked_size(descriptor: int, path: Path, where: str, limit: str, within: P
     if size_bytes > limits().bytes_of(limit):
         raise UserError(too_large(where, _shown(path), size_bytes, limit))
     return size_bytes
+
+
+def named_file(folder: Path, name: str) -> Path | None:
+    """The file in a folder that a name stands for: as it stands, with ``\\`` for ``/``, or in other capitals.
+
+    Names come from machines that do not tell capitals apart. None where there is no such file.
+    """
+    path = folder / PurePosixPath(name.replace("\\", "/"))
+    if path.exists():
+        return path
+    others = sorted(path.parent.iterdir()) if path.parent.is_dir() else ()
+    return next((each for each in others if each.name.casefold() == path.name.casefold()), None)
 
 
 def too_large(where: str, what: str, size_bytes: int, limit: str) -> Fault:

@@ -106,3 +106,23 @@ def test_numbers_that_look_like_a_slip_of_the_unit_are_doubted(tmp_path: Path, l
     fine, slip = find_catalog(path).rows
     assert fine.doubts == ()
     assert doubt in slip.doubts
+
+
+@pytest.mark.parametrize(
+    ("heading", "name"),
+    [
+        ("name,width_px,height_px,pixel_um", "mine.tsv"),
+        ("NAME,WIDTH_PX,HEIGHT_PX,PIXEL_UM", "mine.CSV"),
+        ("Name,Width [px],Height [px],Pixel size [\u00b5m]", "mine.csv"),
+        ("name,width (px),height (px),pixel (um)", "mine.csv"),
+        ("name,width_px,height_px,pixel_um,,", "mine.csv"),
+    ],
+)
+def test_headings_may_have_capitals_units_in_brackets_and_empty_columns_behind(
+    tmp_path: Path, heading: str, name: str
+) -> None:
+    mark = "\t" if name.endswith("tsv") else ","
+    table = f"{heading}\nA,1000,800,2.5{',,' * heading.endswith(',')}\n".replace(",", mark)
+    (row,) = read_catalog(write(tmp_path, table, name)).rows
+    assert (row["width_px"], row["pixel_um"], row["width_mm"]) == (1000, 2.5, 2.5)
+    assert len(row.values) == 5

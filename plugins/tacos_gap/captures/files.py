@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from tacos_files.camera_images import check_bit_depth, read_array, read_image
 from tacos_files.jpeg_coding import jpeg_coding
 from tacos_framework import Document, Fault, FileCoding, UserError
-from tacos_framework.files import limits, read_csv, too_large
+from tacos_framework.files import limits, read_rows, too_large
 
 MAX_FRAMES = 6
 """Frames of one capture that are used; more add little and cost time."""
@@ -189,13 +189,11 @@ def _is_file(path: Path) -> bool:
 
 
 def _rows(path: Path, where: str, within: Path) -> Iterator[tuple[int, dict[str, str]]]:
-    (_, heading), *lines = read_csv(path, where=where, within=within) or [(1, [])]
+    heading, lines = read_rows(path, where=where, within=within)
     expected = ",".join(("id", *PATCH_COLUMNS))
     if missing := [name for name in PATCH_COLUMNS if name not in heading]:
         raise UserError(Fault(where, f"{path.name} has no column {', '.join(missing)}", expected))
-    for number, cells in lines:
-        if any(cells):
-            yield number, dict(zip(heading, cells, strict=False))
+    yield from lines
 
 
 def _patch(row: Mapping[str, str], shape: tuple[int, int]) -> tuple[tuple[int, ...], tuple[float, ...]]:

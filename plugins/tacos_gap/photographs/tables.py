@@ -72,7 +72,7 @@ def tables_among(others: Sequence[Path], pictures: Sequence[Path]) -> list[Table
             continue
         near = [picture for picture in pictures if picture.is_relative_to(path.parent)]
         try:
-            lines = read_text(path).splitlines()
+            lines = read_text(path, guess=True).splitlines()
         except UserError:  # a file of another kind: it is passed over as such
             continue
         if rows := _by_name(lines, near):

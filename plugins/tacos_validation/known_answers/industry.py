@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tacos_framework import Constraint, Fault, UserError
-from tacos_framework.files import read_csv
+from tacos_framework.files import read_rows
 
 SHIPPED = Path(__file__).with_name("industry.csv")
 """34 systems, each with its source: calibration files, drivers, documentation."""
@@ -59,14 +59,14 @@ class IndustryAnswer:
 
 def read_systems(path: Path) -> list[System]:
     """The lines of a table of systems. Raises UserError with the columns that are missing."""
-    (_, heading), *lines = read_csv(path) or [(1, [])]
+    heading, lines = read_rows(path)
     needed = ("job", "system", *(column for point in POINTS.values() for column in point.columns))
     if missing := [name for name in needed if name not in heading]:
         fault = Fault(
             str(path), f"the first line has no column {', '.join(missing)}", f"columns {', '.join(needed)}"
         )
         raise UserError(fault)
-    return [dict(zip(heading, cells, strict=False)) for _, cells in lines]
+    return [row for _, row in lines]
 
 
 def industry_answer(name: str, systems: Sequence[System]) -> IndustryAnswer | None:

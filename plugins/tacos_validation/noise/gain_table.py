@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import Fault, UserError
-from tacos_framework.files import read_csv
+from tacos_framework.files import read_rows
 
 COLUMNS = ("maker", "model", "iso", "a", "b")
 _MOST_FAULTS = 20
@@ -40,7 +40,7 @@ def read_gain_table(path: Path) -> list[MeasuredCamera]:
     Raises UserError with all faults of the file: missing columns, values that are no numbers, gains not above
     0.
     """
-    (_, heading), *lines = read_csv(path) or [(1, [])]
+    heading, lines = read_rows(path)
     missing = [name for name in COLUMNS if name not in heading]
     if missing:
         raise UserError(
@@ -51,7 +51,7 @@ def read_gain_table(path: Path) -> list[MeasuredCamera]:
                 "a and b: variance = a x + b, with x and the variance over full scale.",
             )
         )
-    cameras = _gathered(path, ((number, dict(zip(heading, cells, strict=False))) for number, cells in lines))
+    cameras = _gathered(path, lines)
     if not cameras:
         raise UserError(Fault(str(path), "has no measurements", "a line for each camera and gain"))
     return cameras

@@ -10,7 +10,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from tacos_framework import Fault, UserError, read_yaml
-from tacos_framework.files import read_csv
+from tacos_framework.files import CSV_SUFFIXES, read_rows
 from tacos_worlds.kit.class_names import CLASS_NAMES
 from tacos_worlds.kit.models.model import Surface
 
@@ -55,21 +55,19 @@ class Rule:
 
 def read_table(file: Path) -> tuple[list[Rule], list[Fault]]:
     """Rules of a table: CSV with the columns pattern and class, or YAML with ``pattern: class``."""
-    if file.suffix.lower() != ".csv":
+    if file.suffix.lower() not in CSV_SUFFIXES:
         return _from_yaml(file)
     try:
-        lines = read_csv(file)
+        headings, lines = read_rows(file)
     except UserError as error:
         return [], list(error.faults)
-    heading = [cell.lower() for cell in lines[0][1]] if lines else []
-    if missing := [name for name in ("pattern", "class") if name not in heading]:
+    if missing := [name for name in ("pattern", "class") if name not in headings]:
         return [], [Fault(f"{file}:1", f"has no column {', '.join(missing)}", "the columns pattern, class")]
     rules, faults = [], []
-    for number, line in lines[1:]:
-        row = dict(zip(heading, line, strict=False))
+    for number, row in lines:
         if row.get("pattern") and row.get("class"):
             rules.append(Rule(row["pattern"], row["class"]))
-        elif any(line):
+        else:
             faults.append(Fault(f"{file}:{number}", "lacks a pattern or a class"))
     return rules, faults
 

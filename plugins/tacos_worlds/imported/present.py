@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from tacos_framework import Fault
+from tacos_framework.files import CSV_SUFFIXES
 
 WORLD = (".glb", ".gltf", ".obj", ".ply", ".stl")
-TABLE = (".csv", ".yaml", ".yml")
+TABLE = (*CSV_SUFFIXES, ".yaml", ".yml")
 PANORAMA = (".hdr", ".exr")
 _POINTS = "Make a mesh of the points (Poisson reconstruction in CloudCompare) and export it as PLY."
 _CONVERT = {

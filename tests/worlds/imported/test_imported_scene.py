@@ -108,6 +108,9 @@ def test_a_table_of_labels_goes_before_names_and_tells_what_it_does_not_find(
     same = tmp_path / "labels.yaml"
     same.write_text('"thing *": crate\n"sofa*": background\n', encoding="utf-8")
     assert read_table(same) == read_table(table)
+    tabs = tmp_path / "labels.tsv"
+    tabs.write_text("Pattern\tClass\nthing *\tcrate\nsofa*\tbackground\n", encoding="utf-16")
+    assert read_table(tabs) == read_table(table)
     table.write_text("pattern,class\nthang *,crate\nsofer*,sofa\n", encoding="utf-8")
     with pytest.raises(UserError) as caught:
         _ = scene(house, labels=str(table)).place

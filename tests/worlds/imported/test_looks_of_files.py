@@ -508,7 +508,7 @@ def test_names_in_latin_1_are_read(tmp_path: Path) -> None:
     (tmp_path / "room.obj").write_bytes("\n".join(lines).encode("latin-1"))
     model = read_model(tmp_path / "room.obj", most_px=64)
     assert model.surfaces[0].path == ("B\u00fcro",)
-    assert model.notes == ("names are not in UTF-8, and are read as Latin-1",)
+    assert model.notes == ("names are not in UTF-8, and are read as Windows-1252",)
 
 
 def test_a_world_of_glass_alone_is_refused(tmp_path: Path) -> None:

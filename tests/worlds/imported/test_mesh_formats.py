@@ -263,7 +263,7 @@ def test_a_library_is_the_same_however_it_is_written(coded: str, tmp_path: Path)
     model = read(tmp_path, "a.obj", obj.encode(coded))
     skin = model.skins[model.surfaces[0].skin]
     assert (skin.name, skin.opacity, skin.texture is not None) == ("Bück #25", 1.0, True)
-    assert set(model.notes) <= {"names are not in UTF-8, and are read as Latin-1"}
+    assert set(model.notes) <= {"names are not in UTF-8, and are read as Windows-1252"}
 
 
 def test_materials_that_no_library_has_are_told_with_the_effect(tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from tacos_framework.files import decoded
 from tacos_worlds.imported.formats.camera_poses import colmap_poses, nerf_poses
 from tacos_worlds.imported.formats.file_bytes import Unreadable, file_bytes
 from tacos_worlds.imported.formats.pose_columns import Columns, has_angles, named_columns
@@ -62,7 +63,7 @@ def read_poses(file: Path) -> RecordedPath:
 
     Raises Unreadable where no line, or some line, is what one of the formats has.
     """
-    text = _text(file_bytes(file))
+    text, _ = decoded(file_bytes(file))
     if text.lstrip().startswith("{"):
         return _untimed(nerf_poses(text), "nerf")
     lines = text.splitlines()
@@ -142,11 +143,6 @@ def _number(word: str, needed: bool) -> float:
         if needed:
             raise
         return 0.0
-
-
-def _text(content: bytes) -> str:
-    utf_16 = content.startswith((b"\xff\xfe", b"\xfe\xff"))
-    return content.decode("utf-16" if utf_16 else "utf-8-sig", "replace")
 
 
 def _untimed(poses: NDArray[np.float64], form: Form) -> RecordedPath:

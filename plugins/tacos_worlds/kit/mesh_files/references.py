@@ -11,7 +11,7 @@ from PIL.Image import Image
 
 from tacos_files.images import checked_header, decode_picture
 from tacos_framework import Fault, UserError
-from tacos_framework.files import MB, limits, read_bytes, too_large
+from tacos_framework.files import MB, decoded, limits, named_file, read_bytes, too_large
 from tacos_worlds.kit.mesh_files.packed import is_ktx2, ktx2_bytes, ktx2_picture
 
 _TEXTURES_MB = 800
@@ -74,16 +74,13 @@ class References:
         return content
 
     def text_of(self, content: bytes, what: str) -> str:
-        """Text of a file; older programs write names in Latin-1, which is noted."""
-        if content.startswith((b"\xff\xfe", b"\xfe\xff")):
-            return content.decode("utf-16", "replace")
-        if b"\0" in content:
+        """Text of a file; older programs write names in Windows-1252, which is noted."""
+        text, error = decoded(content)
+        if "\0" in text:
             raise UserError(Fault(self.where, "is no text", what, "Export the model again."))
-        try:
-            return content.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            self.notes.append("names are not in UTF-8, and are read as Latin-1")
-            return content.decode("latin-1")
+        if error is not None:
+            self.notes.append("names are not in UTF-8, and are read as Windows-1252")
+        return text
 
     def picture(self, content: bytes, name: str) -> Image:
         """A picture, which is whole and decodes; the fault of one that does not is kept and raised."""
@@ -147,10 +144,9 @@ class References:
         if place.exists():
             return place
         for folder in dict.fromkeys((place.parent, self._folder)):
-            if folder.is_dir() and folder.resolve().is_relative_to(self._within.resolve()):
-                for each in sorted(folder.iterdir()):
-                    if each.name.casefold() == named.name.casefold():
-                        return each
+            inside = folder.resolve().is_relative_to(self._within.resolve())
+            if inside and (found := named_file(folder, named.name)) is not None:
+                return found
         return None
 
 
