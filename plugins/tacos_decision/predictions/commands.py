@@ -68,7 +68,7 @@ def _write(arguments: argparse.Namespace) -> int:
 def _measure(arguments: argparse.Namespace) -> int:
     from datetime import datetime
 
-    from tacos_decision.predictions.outcome import SUFFIX, hold_against, write_outcome
+    from tacos_decision.predictions.outcome import SUFFIX, hold_against, not_predicted, write_outcome
     from tacos_decision.predictions.prediction import SUFFIX as PREDICTION
     from tacos_decision.predictions.prediction import read_prediction
     from tacos_decision.predictions.sources import measured_in
@@ -77,7 +77,10 @@ def _measure(arguments: argparse.Namespace) -> int:
     path, measured = arguments.source, arguments.measured
     prediction = read_prediction(path)
     result = read_result(measured) if measured.is_dir() else None
-    outcome = hold_against(prediction, measured_in(measured, result), str(measured))
+    values = measured_in(measured, result)
+    outcome = hold_against(prediction, values, str(measured))
+    if result is None:  # a replay also measures the exposure it starts from
+        print(*(f"  {each}\n" for each in not_predicted(prediction, values)), sep="", end="")
     for miss in outcome.misses:
         value = miss.predicted
         said = "inside" if miss.inside else "outside"

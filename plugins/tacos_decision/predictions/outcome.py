@@ -11,7 +11,7 @@ import numpy as np
 from scipy.stats import kendalltau
 
 from tacos_decision.predictions.prediction import PredictedValue, Prediction
-from tacos_framework import Fault, UserError
+from tacos_framework import Fault, UserError, did_you_mean
 from tacos_framework.files import read_json
 from tacos_framework.store import replace_file
 
@@ -70,8 +70,10 @@ class Outcome:
         found: dict[str, float | None] = {}
         for score in dict.fromkeys(miss.predicted.score for miss in self.misses):
             own = [miss for miss in self.misses if miss.predicted.score == score]
-            tau = kendalltau([m.predicted.value for m in own], [m.measured for m in own]).statistic
-            found[score] = None if len(own) < 2 or np.isnan(tau) else float(tau)
+            found[score] = None
+            if len(own) > 1:
+                tau = kendalltau([m.predicted.value for m in own], [m.measured for m in own]).statistic
+                found[score] = None if np.isnan(tau) else float(tau)
         return found
 
 
@@ -90,6 +92,17 @@ def hold_against(prediction: Prediction, measured: Measured, where: str) -> Outc
         expected = ", ".join(sorted({f"{value.camera} {value.score}" for value in prediction.values})[:4])
         raise UserError(Fault(where, "holds nothing that was predicted", f"values of {expected}, ..."))
     return Outcome(tuple(found))
+
+
+def not_predicted(prediction: Prediction, measured: Measured) -> list[str]:
+    """A sentence for each measured value that was not predicted, with the names that may be meant."""
+    known = {f"{value.camera} {value.score}" for value in prediction.values}
+    names = (f"{camera} {score}" for camera, score in measured)
+    return [
+        f"{name} was not predicted, and is left out. {did_you_mean(name, known)}"
+        for name in names
+        if name not in known
+    ]
 
 
 def write_outcome(path: Path, outcome: Outcome, prediction: Prediction, when: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import datetime
 from pathlib import Path
@@ -11,7 +12,7 @@ from tacos_decision.predictions.outcome import Measured
 from tacos_decision.predictions.prediction import PredictedValue, Prediction
 from tacos_decision.predictions.register import NEVER_MEASURED, ModelError
 from tacos_framework import Fault, UserError
-from tacos_framework.files import read_csv
+from tacos_framework.files import read_rows
 
 _NORMAL_90 = 1.645
 """Half of a 90 % interval in standard errors."""
@@ -56,27 +57,40 @@ def measured_in(path: Path, result: Mapping[str, Any] | None) -> Measured:
     Raises
     ------
     UserError
-        When the table lacks a column or holds what is no number.
+        When the table lacks a column, holds what is no number, or has two lines for one score.
     """
     if result is not None:
         name = f"replay.{result.get('score', 'inliers')}"
         return {(f"{ms} ms", name): float(real["inliers"]) for ms, real in result.get("real", {}).items()}
-    (_, head), *lines = read_csv(path) or [(1, [])]
-    if missing := [name for name in _COLUMNS if name not in head]:
+    headings, rows = read_rows(path)
+    if missing := [name for name in _COLUMNS if name not in headings]:
         raise UserError(Fault(f"{path}:1", f"lacks the column {missing[0]}", "columns camera, score, value"))
-    places = [head.index(name) for name in _COLUMNS]
-    faults, found = [], {}
-    for number, cells in lines:
-        try:
-            camera, score, value = (cells[place] for place in places)
-            found[camera, score] = float(value)
-        except (IndexError, ValueError):
+    faults: list[Fault] = []
+    found: dict[tuple[str, str], float] = {}
+    for number, row in rows:
+        where = f"{path}:{number}"
+        value = _number(row.get("value", ""))
+        key = row.get("camera", ""), row.get("score", "")
+        if value is None or not all(key):
             faults.append(
-                Fault(f"{path}:{number}", f"holds {','.join(cells)!r}", "a camera, a score and a number")
+                Fault(where, f"holds {','.join(row.values())!r}", "a camera, a score and a finite number")
             )
+        elif key in found:
+            what = f"has {' '.join(key)} a second time"
+            faults.append(Fault(where, what, "one line for each score", "Write the mean of repeats."))
+        else:
+            found[key] = value
     if faults:
         raise UserError(faults)
     return found
+
+
+def _number(cell: str) -> float | None:
+    try:
+        value = float(cell)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
 
 
 def _of_test(result: Mapping[str, Any]) -> Iterator[Estimate]:

@@ -96,6 +96,10 @@ def test_a_table_with_faults_names_each_line(tmp_path: Path) -> None:
     with pytest.raises(UserError) as refused:
         measured_in(table, None)
     assert [fault.where.rpartition(":")[2] for fault in refused.value.faults] == ["3", "4"]
+    table.write_text("camera,score,value\na,s,nan\nb,s,inf\nc,s,1\nc,s,2\n")
+    with pytest.raises(UserError, match="has c s a second time") as refused:
+        measured_in(table, None)
+    assert [fault.where.rpartition(":")[2] for fault in refused.value.faults] == ["2", "3", "5"]
     table.write_text("camera,score\n")
     with pytest.raises(UserError, match="lacks the column value"):
         measured_in(table, None)
@@ -114,6 +118,19 @@ def test_the_command_predicts_and_measures(tmp_path: Path, capsys: pytest.Captur
     assert "Kendall's tau 1.00" in said
     assert "100% of 2 values inside" in said
     assert (tmp_path / "run.outcome.json").is_file()
+
+
+@pytest.mark.filterwarnings("error")
+def test_measured_values_that_were_not_predicted_are_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, table = tmp_path / "run.prediction.json", tmp_path / "measured.csv"
+    prediction_from(STUDY, Path("run"), {}, "", WHEN).write(path)
+    table.write_text("Camera,Score,VALUE\na,task.inliers,101\nb,task.inlier,49\n")
+    assert tacos_main(["predict", str(path), "--measured", str(table)]) == 0
+    said = capsys.readouterr().out
+    assert "b task.inlier was not predicted, and is left out. Did you mean 'b task.inliers'" in said
+    assert "one camera has no order" in said
 
 
 def test_what_is_known_is_said_in_a_sentence() -> None:
