@@ -30,6 +30,16 @@ class Column:
         """Its cell in a line; empty where the line ends before."""
         return cells[self.place] if self.place < len(cells) else ""
 
+    def seconds(self, cell: str) -> float:
+        """The time in a cell [s]; a fraction such as 1/125 in a column of seconds.
+
+        Raises ValueError where there is none.
+        """
+        above, slash, below = cell.partition("/")
+        if slash and self.unit_s == 1 and float(below):
+            return float(above) / float(below)
+        return float(cell) * (self.unit_s or 1)
+
 
 def find_column(headings: Sequence[str], names: Sequence[str]) -> Column | None:
     """The column of the first of some names, whatever case, marks and unit of time its heading has.

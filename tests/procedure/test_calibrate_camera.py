@@ -18,7 +18,7 @@ from tacos_framework.testing import ProcedureConformance
 from tacos_plugins.emva_calibration import intervals
 from tacos_plugins.emva_calibration.calibrate import CalibrateCamera
 from tacos_plugins.emva_calibration.data_sheet import data_sheet
-from tacos_plugins.emva_calibration.frame_table import FrameGroup
+from tacos_plugins.emva_calibration.frame_table import FrameGroup, read_frame_table
 from tacos_plugins.emva_calibration.measurement import Channel
 from tacos_plugins.emva_calibration.moments import difference, moments_of
 from tests.procedure.simulated_emva import Camera1288
@@ -156,6 +156,26 @@ def test_columns_and_kinds_may_have_other_usual_names(tmp_path):
     rows = [line.replace("bright,", "Flat,", 1) for line in lines]
     table.write_text("\n".join(["Type,Exposure Time [ns],Photons,File Name", *rows]))
     assert calibrate(table.parent, tmp_path)["levels"] == expected["levels"]
+
+
+def test_a_table_from_windows_may_have_paths_capitals_and_exposures_as_fractions(tmp_path):
+    (tmp_path / "frames").mkdir()
+    for name in ("a.png", "b.png"):
+        (tmp_path / "frames" / name).touch()
+    (tmp_path / "frames.csv").write_text(
+        "kind,exposure_s,file\nbright,1/125,.\\frames\\A.PNG\ndark,0.008,frames\\b.png\n"
+    )
+    found = read_frame_table(tmp_path)
+    assert not found.faults
+    assert [(group.exposure_s, group.files) for group in found.groups] == [
+        (0.008, (tmp_path / "frames/a.png",)),
+        (0.008, (tmp_path / "frames/b.png",)),
+    ]
+    (tmp_path / "frames.csv").write_text(
+        "kind,exposure_s,file\nbright,1,frames/a.png\ndark,1,Frames\\b.png\ndark,1,frames/A.png\n"
+    )
+    said = [fault.what for fault in read_frame_table(tmp_path).faults]
+    assert said == ["there is no file 'Frames\\\\b.png'", "'frames/A.png' stands twice, as in 2"]
 
 
 def test_levels_of_one_frame_that_leave_too_few_are_counted(tmp_path):

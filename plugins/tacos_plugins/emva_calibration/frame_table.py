@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tacos_files.table_columns import EXPOSURE, FILE, Column, find_column
 from tacos_framework import Fault, UserError
-from tacos_framework.files import read_csv
+from tacos_framework.files import named_file, read_csv
 
 TABLE = "frames.csv"
 _COLUMNS = "kind,exposure_ns,photons_per_pixel,file (photons_per_pixel may be empty)"
@@ -104,7 +104,7 @@ class _Reader:
         self.exposure = exposure
         self.faults: list[Fault] = []
         self._found: dict[tuple[str, float, float | None, str], list[Path]] = {}
-        self._seen: dict[str, str] = {}
+        self._seen: dict[Path, str] = {}
         self._photons: list[tuple[str, bool]] = []
 
     def take(self, where: str, row: Mapping[str, str]) -> None:
@@ -113,7 +113,7 @@ class _Reader:
         kind = _SAME.get(kind, kind)
         if kind not in _KINDS:
             self.faults.append(Fault(where, f"kind is {kind or 'empty'!r}", "bright or dark"))
-        exposure = self._number(where, self.exposure.heading, row["exposure"])
+        exposure_s = self._number(where, self.exposure.heading, row["exposure"], self.exposure.seconds)
         given = row.get("photons_per_pixel", "")
         known = given.lower() not in _UNKNOWN
         photons = self._number(where, "photons_per_pixel", given) if known else None
@@ -125,14 +125,16 @@ class _Reader:
             self._photons.append((where, photons is not None))
             if photons == 0:
                 self.faults.append(Fault(where, "a bright frame has 0 photons", "kind: dark, or its photons"))
-        self._file(where, name)
-        if len(self.faults) == before and exposure is not None:
-            key = (kind, exposure * (self.exposure.unit_s or 1.0), photons, row.get("level", ""))
-            self._found.setdefault(key, []).append(self.folder / name)
+        path = self._file(where, name)
+        if len(self.faults) == before and exposure_s is not None:
+            key = (kind, exposure_s, photons, row.get("level", ""))
+            self._found.setdefault(key, []).append(path)
 
-    def _number(self, where: str, column: str, text: str) -> float | None:
+    def _number(
+        self, where: str, column: str, text: str, value_of: Callable[[str], float] = float
+    ) -> float | None:
         try:
-            value = float(text)
+            value = value_of(text)
         except ValueError:
             value = math.nan
         if math.isfinite(value) and value >= 0:
@@ -140,16 +142,18 @@ class _Reader:
         self.faults.append(Fault(where, f"{column} is {text or 'empty'!r}", "a number, 0 or above"))
         return None
 
-    def _file(self, where: str, name: str) -> None:
+    def _file(self, where: str, name: str) -> Path:
+        path = named_file(self.folder, name) or self.folder / name
         if not name:
             self.faults.append(Fault(where, "file is empty", "the name of a frame in this folder"))
-        elif name in self._seen:
-            self.faults.append(Fault(where, f"{name!r} stands twice, as in {self._seen[name]}", "each once"))
-        elif not (self.folder / name).is_file():
+        elif path in self._seen:
+            self.faults.append(Fault(where, f"{name!r} stands twice, as in {self._seen[path]}", "each once"))
+        elif not path.is_file():
             remedy = "Copy it into the folder, or take its line out of the table."
             what = f"there is no file {name!r}"
             self.faults.append(Fault(where, what, f"a frame in {self.folder}", remedy))
-        self._seen.setdefault(name, where.rpartition(":")[2])
+        self._seen.setdefault(path, where.rpartition(":")[2])
+        return path
 
     def finish(self, path: Path) -> None:
         """Look for what only the whole table shows."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from tacos_files.camera_images import PICTURE_SUFFIXES, has_one_value, read_frame, usual_bit_depth
 from tacos_framework import Fault, UserError
-from tacos_framework.files import read_text
+from tacos_framework.files import named_file, read_text
 from tacos_worlds.recorded.consistency import (
     alternating,
     by_lamp,
@@ -190,8 +191,11 @@ def _entries(path: Path, faults: list[Fault]) -> list[_Entry]:
         return []
     lines, unread = read_times(table)
     faults += unread
-    entries = []
+    entries, listed = [], set()
     for line in lines:
+        there = named_file(path, line.file)
+        name = os.path.relpath(there, path) if there else line.file
+        listed.add(name)
         if line.exposure_ms is None:
             faults.append(
                 Fault(
@@ -201,7 +205,7 @@ def _entries(path: Path, faults: list[Fault]) -> list[_Entry]:
                     "Without exposures light is unknown: state them, as the camera's driver does.",
                 )
             )
-        elif not (path / line.file).is_file():
+        elif there is None or not there.is_file():
             faults.append(
                 Fault(
                     line.where,
@@ -211,8 +215,8 @@ def _entries(path: Path, faults: list[Fault]) -> list[_Entry]:
                 )
             )
         else:
-            entries.append(_Entry(line.file, line.exposure_ms, line.stamp_ns))
-    missing = sorted(set(pictures) - {line.file for line in lines})
+            entries.append(_Entry(name, line.exposure_ms, line.stamp_ns))
+    missing = sorted(set(pictures) - listed)
     if missing and lines:
         faults.append(Fault(str(table), f"has no line for {', '.join(missing)}", "a line for each frame"))
     return entries

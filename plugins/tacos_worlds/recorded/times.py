@@ -49,15 +49,15 @@ def read_times(table: Path) -> tuple[list[TimedFile], list[Fault]]:
         stated = exposure.cell(cells) if exposure else ""
         try:
             stamp_ns = _whole_ns(taken, stamp)
-            exposure_ms = (
-                float(stated) * (exposure.unit_s or 1) * 1e3 if exposure and stated else named_ms(name)
-            )
         except (ValueError, OverflowError):
-            what = f"has {stamp.heading} {taken!r}" + (
-                f" and {exposure.heading} {stated!r}" if exposure else ""
-            )
-            whole = "a whole number of nanoseconds" if stamp.unit_s == _NANOSECOND else "numbers"
-            faults.append(Fault(where, what, whole))
+            whole = "a whole number of nanoseconds" if stamp.unit_s == _NANOSECOND else "a number"
+            faults.append(Fault(where, f"has {stamp.heading} {taken!r}", whole))
+            continue
+        try:
+            exposure_ms = exposure.seconds(stated) * 1e3 if exposure and stated else named_ms(name)
+        except ValueError:
+            heading = exposure.heading if exposure else ""
+            faults.append(Fault(where, f"has {heading} {stated!r}", "a number, or a fraction of seconds"))
             continue
         if stamp_ns < 0 or (exposure_ms is not None and not 0 < exposure_ms < float("inf")):
             faults.append(

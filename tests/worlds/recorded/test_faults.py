@@ -142,3 +142,15 @@ def test_stamps_of_two_frames_that_were_mixed_up_are_named(tmp_path: Path) -> No
 )
 def test_a_count_that_begins_again_is_no_mixed_up_stamp(files: list[str]) -> None:
     assert out_of_order(Path("times.csv"), files) == []
+
+
+def test_a_table_from_windows_names_frames_in_folders(tmp_path: Path) -> None:
+    folder = record(tmp_path / "r")
+    table = folder / "times.csv"
+    expected = read_recording(folder, response="estimated")
+    for path in folder.glob("*.png"):
+        ms, k = path.stem.split("_")
+        path.parent.joinpath(ms).mkdir(exist_ok=True)
+        path.rename(folder / ms / f"{k}.png")
+    table.write_text(table.read_text().replace("ms_", "ms\\").replace(".png", ".PNG"))
+    assert read_recording(folder, response="estimated").exposures.keys() == expected.exposures.keys()

@@ -236,3 +236,13 @@ def test_a_column_without_its_unit_is_named(tmp_path: Path) -> None:
         "the column timestamp states no unit",
         "the column exposure_time states no unit",
     ]
+
+
+def test_exposures_may_be_fractions_of_seconds_and_faults_name_their_cell(tmp_path: Path) -> None:
+    table = tmp_path / "times.csv"
+    table.write_text("file,taken_ns,exposure_s\na.png,1,1/125\nb.png,2,1/0\nc.png,x,1/60\n")
+    found, faults = read_times(table)
+    assert [each.exposure_ms for each in found] == [8.0]
+    assert [fault.what for fault in faults] == ["has exposure_s '1/0'", "has taken_ns 'x'"]
+    table.write_text("file,taken_ns,exposure_ms\na.png,1,1/125\n")  # of a second, or of a millisecond?
+    assert [fault.what for fault in read_times(table)[1]] == ["has exposure_ms '1/125'"]

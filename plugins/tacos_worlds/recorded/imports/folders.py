@@ -9,7 +9,7 @@ from pathlib import Path
 
 from tacos_files.camera_images import read_image
 from tacos_framework import Fault, UserError, read_yaml
-from tacos_framework.files import read_csv, read_lines, read_text
+from tacos_framework.files import named_file, read_csv, read_lines, read_text
 from tacos_worlds.recorded.imports.found import FoundFrame, FoundRecording
 from tacos_worlds.recorded.reader import RESPONSE
 from tacos_worlds.recorded.times import TIMES, read_times
@@ -52,12 +52,11 @@ def in_folder(folder: Path) -> FoundRecording:
 
 
 def _frame(folder: Path, name: str, stamp_ns: int, exposure_ms: float | None, where: str) -> FoundFrame:
-    if not (folder / name).is_file():
+    path = named_file(folder, name)
+    if path is None or not path.is_file():
         what, remedy = f"names {name}, which is not there", "Add the frame, or take the line out."
         raise UserError(Fault(where, what, "a frame in the folder", remedy))
-    return FoundFrame(
-        name, stamp_ns, exposure_ms, partial(read_image, folder / name, str(folder / name), folder)
-    )
+    return FoundFrame(name, stamp_ns, exposure_ms, partial(read_image, path, str(path), folder))
 
 
 def _euroc(camera: Path) -> Iterator[FoundFrame]:
