@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tacos_files.camera_images import PICTURE_SUFFIXES, has_one_value, read_frame, usual_bit_depth
 from tacos_framework import Fault, UserError
-from tacos_framework.files import named_file, read_text
+from tacos_framework.files import named_file
 from tacos_worlds.recorded.consistency import (
     alternating,
-    by_lamp,
     bytes_exchanged,
     faults_of_brightness,
     faults_of_stamps,
@@ -25,16 +21,10 @@ from tacos_worlds.recorded.consistency import (
     overexposed,
     together,
 )
+from tacos_worlds.recorded.found_response import ResponseFrom, response_of
 from tacos_worlds.recorded.recording import ExposedFrames, Recording, green_on_diagonal
-from tacos_worlds.recorded.response import Response, estimated_response, linear_response, tabled_response
-from tacos_worlds.recorded.saturation import AGREEMENT, clipping_codes, trusted_codes
+from tacos_worlds.recorded.saturation import clipping_codes
 from tacos_worlds.recorded.times import TIMES, named_ms, read_times
-
-ResponseFrom = Literal["recorded", "linear", "estimated"]
-
-RESPONSE = "response.txt"
-_STRONG_FLICKER = 0.3
-"""Share of the light by which a lamp must waver to turn the order of exposures of a factor of two [1]."""
 
 
 @dataclass(frozen=True)
@@ -140,23 +130,16 @@ def read_recording(
             if of_two := alternating(path, each):
                 faults.append(of_two)
                 bad.add(each.exposure_ms)
-    found_response: Response | None
-    if response == "linear":
-        found_response, origin = linear_response((1 << bits) - 1), "The samples are taken to be linear."
-        told_response = None
-    else:
-        found_response, origin, told_response = _response(
-            path, fit, bits, faults, bad, clipping_dn, told=response == "recorded"
-        )
-    if found_response is not None:
-        for fault, exposure_ms in faults_of_brightness(path, fit, found_response, bits):
+    told = response_of(path, fit, bits, clipping_dn, response, faults, bad)
+    if told is not None:
+        for fault, exposure_ms in faults_of_brightness(path, fit, told.response, bits):
             faults.append(fault)
             bad.add(exposure_ms)
     if entries and len(found) < fewest and not faults:
         faults.append(
             Fault(str(path), "holds one exposure", "two or more, so that one can be replayed as another")
         )
-    if faults or found_response is None:
+    if faults or told is None:
         usable = [each.name for each in found.values() if each.exposure_ms not in bad]
         words = f"Still usable: {', '.join(usable)} ms." if usable else "Nothing of it is usable as it is."
         last = faults[-1]
@@ -164,7 +147,7 @@ def read_recording(
         raise UserError(faults)
     shown = max(found.values(), key=lambda each: float(np.median(each.codes_dn)))
     diagonal = green_on_diagonal(shown.codes_dn[:2])
-    return Recording(found, bits, found_response, origin, clipping_dn, told_response, diagonal)
+    return Recording(found, bits, told.response, told.origin, clipping_dn, told.contradicted, diagonal)
 
 
 def _entries(path: Path, faults: list[Fault]) -> list[_Entry]:
@@ -238,80 +221,3 @@ def _at_depth(
     return {
         name: replace(each, codes_dn=each.codes_dn >> np.uint16(shift)) for name, each in found.items()
     }, bits
-
-
-def _response(
-    path: Path,
-    fit: dict[str, ExposedFrames],
-    bits: int,
-    faults: list[Fault],
-    bad: set[float],
-    clipping_dn: NDArray[np.int64],
-    *,
-    told: bool,
-) -> tuple[Response | None, str, Response | None]:
-    """The response, where it comes from, and the one that was told where the exposures contradict it."""
-    file, white_dn = path / RESPONSE, (1 << bits) - 1
-    if told and file.is_file():
-        try:
-            values = np.array(read_text(file).split(), np.float64)
-            return _borne_out(tabled_response(values, white_dn), fit, clipping_dn)
-        except ValueError as error:
-            faults.append(
-                Fault(
-                    str(file),
-                    f"holds no response: {error}",
-                    "numbers that rise",
-                    "Take it out to have the response estimated.",
-                )
-            )
-            return None, "", None
-    if len(fit) < 2:
-        if not faults:
-            faults.append(
-                Fault(
-                    str(path),
-                    f"has no {RESPONSE} and one exposure",
-                    "one of the two, to know the response",
-                    "Say so where samples are linear.",
-                )
-            )
-        return None, "", None
-    brightness = [float(np.median(each.codes_dn)) for each in fit.values()]
-    names = list(fit)
-    fell = [i for i in range(1, len(names)) if brightness[i] < brightness[i - 1]]
-    for i in fell:
-        bad |= {fit[names[j]].exposure_ms for j in (i - 1, i)}
-        faults.append(
-            Fault(
-                f"{path}: {names[i]} ms",
-                f"is darker (median code {brightness[i]:.0f}) than {names[i - 1]} ms "
-                f"({brightness[i - 1]:.0f})",
-                "exposures that match the brightness",
-                "Correct the exposures in the names of the files."
-                + by_lamp(fit[names[i]].exposure_ms, _STRONG_FLICKER),
-            )
-        )
-    if fell:
-        return None, "", None
-    stacks = {each.exposure_ms: each.codes_dn for each in fit.values()}
-    said = "The response was estimated from the exposures themselves."
-    return estimated_response(stacks, white_dn), said, None
-
-
-def _borne_out(
-    told: Response, fit: Mapping[str, ExposedFrames], clipping_dn: NDArray[np.int64]
-) -> tuple[Response, str, Response | None]:
-    """A told response as far as the exposures bear it out, and from there on what they make of it; where it
-    comes from; and the told one, where it was mended.
-    """
-    frames = {each.exposure_ms: each.codes_dn for each in fit.values()}
-    said = f"The response is that of {RESPONSE}"
-    if trusted_codes(frames, told, clipping_dn).min() == clipping_dn.min():
-        return told, f"{said}.", None
-    estimated = estimated_response(frames, int(told.code_dn[-1]))
-    trusted_dn = int(
-        trusted_codes(frames, told, clipping_dn, AGREEMENT / 3).min()
-    )  # off by less where it ends
-    said = f"{said} up to code {trusted_dn}, and that of the exposures beyond, where they contradict it."
-    return told.continued(estimated, trusted_dn), said, told

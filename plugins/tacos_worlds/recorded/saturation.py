@@ -20,7 +20,7 @@ _LOWEST = 0.9
 _BEYOND = 0.01
 """Share of samples beyond a pile: noise spreads it, and light reaches no further."""
 _RANKS = 1 - np.geomspace(0.5, 3e-4, 48)
-AGREEMENT = 0.15
+_AGREEMENT = 0.15
 """Light of one rank in two exposures may differ so much from the ratio of their times: as much as whole
 exposures may, before they are refused [1]."""
 
@@ -43,7 +43,7 @@ def trusted_codes(
     frames_dn: Mapping[float, NDArray[np.uint16]],
     response: Response,
     clipping_dn: NDArray[np.int64],
-    agreement: float = AGREEMENT,
+    agreement: float = _AGREEMENT,
 ) -> NDArray[np.int64]:
     """(2, 2) codes up to which exposures agree on the light, at most those of clipping [DN].
 

@@ -10,8 +10,8 @@ from pathlib import Path
 from tacos_files.camera_images import read_image
 from tacos_framework import Fault, UserError, read_yaml
 from tacos_framework.files import named_file, read_csv, read_lines, read_text
+from tacos_worlds.recorded.found_response import RESPONSE
 from tacos_worlds.recorded.imports.found import FoundFrame, FoundRecording
-from tacos_worlds.recorded.reader import RESPONSE
 from tacos_worlds.recorded.times import TIMES, read_times
 
 _LAYOUTS = "times.csv, data.csv of EuRoC, rgb.txt of TUM, or times.txt or timestamps.txt of KITTI"

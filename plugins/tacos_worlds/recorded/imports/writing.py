@@ -10,8 +10,9 @@ import numpy as np
 from tacos_files.camera_images import LOSSY_SUFFIXES
 from tacos_framework import UserError
 from tacos_framework.files import made_folder
+from tacos_worlds.recorded.found_response import RESPONSE
 from tacos_worlds.recorded.imports.found import FoundRecording
-from tacos_worlds.recorded.reader import RESPONSE, read_recording
+from tacos_worlds.recorded.reader import read_recording
 from tacos_worlds.recorded.times import TIMES
 
 _GREEN = 1
