@@ -393,10 +393,10 @@ def test_any_options_leave_the_name_of_the_picture(name: str, options: list[tupl
 
 def test_opacity_of_materials_is_read_from_either_statement() -> None:
     text = "newmtl a\nd 0.3\nnewmtl b\nTr 0.7\nnewmtl c\nd -halo 0.3\nnewmtl wall\nKd 1 1 1\n"
-    materials = read_library(text).materials
+    materials = read_library({"": text}).materials
     assert [materials[name].opacity for name in "abc"] == pytest.approx([0.3] * 3)
     assert materials["wall"].opacity == 1
-    everything = read_library("newmtl a\nTr 1\nnewmtl b\nTr 1\n")
+    everything = read_library({"": "newmtl a\nTr 1\nnewmtl b\nTr 1\n"})
     assert everything.materials["a"].opacity == 1
     assert "taken as all opaque" in everything.notes[0]
 
@@ -422,6 +422,15 @@ def test_glass_of_an_obj_is_left_out_and_its_options_move_its_texture(tmp_path: 
     assert "lines and points" in told
     assert "surfaces are smooth" in told
     assert "clear surfaces are left out" in told
+
+
+def test_collision_hulls_are_left_out_and_told(tmp_path: Path) -> None:
+    points = [f"v {5 * x} {5 * y} {z}" for z in (0, 2) for x, y, _ in SQUARE]
+    lines = [*points, "o floor", "f 1 2 3 4", "o UCX_floor_00", "f 5 6 7 8"]
+    (tmp_path / "room.obj").write_text("\n".join(lines) + "\n")
+    model = read_world(tmp_path / "room.obj", up="z", metres_per_unit=1.0, leave_out=(), most_px=64).model
+    assert [surface.path for surface in model.surfaces] == [("floor",)]
+    assert model.notes == ("UCX_floor_00: collision hulls (UBX_, UCP_, USP_, UCX_) are left out",)
 
 
 @given(share=st.floats(0.01, 0.99), blended=st.booleans())
@@ -464,14 +473,14 @@ def test_no_statement_or_option_of_a_library_is_dropped_without_a_word(
     key: str, option: str, name: str
 ) -> None:
     text = f"newmtl wall\nKd 1 1 1\n{key} 0.5\nmap_Kd {option} sRGB {name}\n"
-    library = read_library(text)
+    library = read_library({"": text})
     assert library.materials["wall"].picture == name
     assert sum(key.lower() in note.lower() for note in library.notes) == 1
     assert sum(option in note for note in library.notes) == (option != "-colorspace")
 
 
 def test_metals_of_a_library_are_metals() -> None:
-    material = read_library("newmtl tap\nKd 1 1 1\nPr 0.2\nPm 1\n").materials["tap"]
+    material = read_library({"": "newmtl tap\nKd 1 1 1\nPr 0.2\nPm 1\n"}).materials["tap"]
     assert (material.roughness, material.metallic) == (0.2, 1.0)
 
 

@@ -288,6 +288,35 @@ def test_files_of_materials_that_are_not_there_are_told_and_the_shape_is_drawn(t
     assert model.notes == (f"refers to '/home/else/oak.png', which is not there: {effect}",)
 
 
+@pytest.mark.parametrize(
+    ("library", "named", "at", "note"),
+    [
+        ("a.mtl", "../maps/oak.png", "oak.png", "refers to '../maps/oak.png': oak.png beside it is read"),
+        ("mats/a.mtl", "oak.png", "mats/oak.png", ""),
+        ("mats/a.mtl", "oak.png", "oak.png", ""),
+        ("mats/a.mtl", "../maps/oak.png", "maps/oak.png", ""),
+        ("a.mtl", "my%20oak.png", "my oak.png", ""),
+    ],
+)
+def test_pictures_are_found_beside_their_library_or_the_model(
+    library: str, named: str, at: str, note: str, tmp_path: Path
+) -> None:
+    """A file of that name outside of the model's folder is not read."""
+    from PIL import Image
+
+    folder = tmp_path / "model"
+    for place in (tmp_path / "maps" / "oak.png", folder / at, folder / library):
+        place.parent.mkdir(parents=True, exist_ok=True)
+    Image.new("RGB", (2, 2), (200, 0, 0)).save(tmp_path / "maps" / "oak.png")
+    Image.new("RGB", (2, 2), (10, 20, 30)).save(folder / at)
+    (folder / library).write_text(f"newmtl oak\nmap_Kd {named}\n")
+    model = read(folder, "a.obj", f"mtllib {library}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl oak\nf 1 2 3\n")
+    texture = model.skins[0].texture
+    assert texture is not None
+    assert texture[0, 0].tolist() == [10, 20, 30]
+    assert model.notes == ((note,) if note else ())
+
+
 def test_masks_in_a_picture_of_their_own_are_holes(tmp_path: Path) -> None:
     from PIL import Image
 

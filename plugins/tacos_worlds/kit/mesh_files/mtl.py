@@ -58,6 +58,7 @@ class MtlMaterial:
     - `emission`: light sent out, in the file's unit.
     - `roughness`, `metallic`: as Pr and Pm give them, which exporters of physically based materials write
       [1].
+    - `library`: the name of its library, from whose folder those of pictures may start.
     """
 
     diffuse: tuple[float, ...] | None = None
@@ -71,6 +72,7 @@ class MtlMaterial:
     emission: tuple[float, float, float] = (0.0, 0.0, 0.0)
     roughness: float | None = None
     metallic: float = 0.0
+    library: str = ""
 
 
 @dataclass(frozen=True)
@@ -85,22 +87,23 @@ class Library:
     notes: tuple[str, ...]
 
 
-def read_library(text: str) -> Library:
-    """Read the text of an MTL file, or of several one after another.
+def read_library(texts: Mapping[str, str]) -> Library:
+    """Read the texts of MTL files, by name, as one library.
 
-    >>> floor = read_library("newmtl Floor\\nd 0.2\\nmap_Kd -s 2 3 1 floor tile.png\\n").materials["Floor"]
+    >>> text = "newmtl Floor\\nd 0.2\\nmap_Kd -s 2 3 1 floor tile.png\\n"
+    >>> floor = read_library({"room.mtl": text}).materials["Floor"]
     >>> floor.picture, floor.scale
     ('floor tile.png', (2.0, 3.0))
     """
     materials: dict[str, MtlMaterial] = {}
     notes: dict[str, None] = {}
     name = ""
-    for line in text.splitlines():
+    for library, line in ((library, line) for library, text in texts.items() for line in text.splitlines()):
         word, _, rest = line.strip().replace("\t", " ").partition(" ")
         key, rest = word.lower(), rest.strip()
         if key == "newmtl":
             name = rest
-            materials[name] = MtlMaterial()
+            materials[name] = MtlMaterial(library=library)
         elif name not in materials:
             continue
         elif _PICTURES.fullmatch(word):

@@ -27,7 +27,7 @@ class MtlSkins:
 
         Roughness of Phong's exponent n is the fourth root of 2 / (n + 2) (Karis 2013, alpha = roughness^2).
         """
-        pixels, mask = self.pixels(material.picture), self._mask(material)
+        pixels, mask = self.pixels(material.picture, material.library), self._mask(material)
         if mask is None and pixels is not None and (pixels[..., 3] < _HOLE).any():
             self._references.notes.append(
                 f"{name}: {material.picture} has holes, but no map_d says so: it is drawn solid"
@@ -51,8 +51,9 @@ class MtlSkins:
             emission=np.array(material.emission),
         )
 
-    def pixels(self, name: str) -> NDArray[np.uint8] | None:
-        """(H, W, 4) a picture; None without a name, or where it cannot be read."""
+    def pixels(self, named: str, library: str) -> NDArray[np.uint8] | None:
+        """(H, W, 4) a picture that a library names; None without a name, or where it cannot be read."""
+        name = named and self._references.from_library(library, named)
         if name and name not in self._pictures:
             if self._references.lacks(name, MISSING):
                 self._pictures[name] = None
@@ -66,7 +67,7 @@ class MtlSkins:
 
     def _mask(self, material: MtlMaterial) -> NDArray[np.uint8] | None:
         """(H, W) the alpha of map_d where it has some or is map_Kd too, else its brightness."""
-        pixels = self.pixels(material.mask_picture)
+        pixels = self.pixels(material.mask_picture, material.library)
         if pixels is None:
             return None
         if material.mask_picture == material.picture or (pixels[..., 3] < 255).any():

@@ -269,6 +269,6 @@ def _library(lines: Sequence[str], references: References) -> Library:
                 texts.setdefault(name, references.text_of(references.bytes_of(name), "an MTL file"))
             except UserError:
                 continue  # kept among the faults of the references: all are told at once
-    library = read_library("\n".join(texts.values()))
+    library = read_library(texts)
     references.notes += library.notes
     return library

@@ -49,7 +49,7 @@ class References:
         """
         if name.startswith("data:") or (quoted and _is_elsewhere(name)):
             return False
-        file = unquote(name) if quoted and not self.has(name) else name
+        file = self._unquoted(name)
         try:
             missing = self._found(file) is None
         except (OSError, ValueError):  # too long, or with a NUL: `bytes_of` says so
@@ -57,6 +57,14 @@ class References:
         if missing:
             self.notes.append(f"refers to {file!r}, which is not there: {effect}")
         return missing
+
+    def from_library(self, library: str, name: str) -> str:
+        """A name from the model's folder, of a file that a library of materials may name from its own."""
+        near = str(PurePosixPath(library.replace("\\", "/")).parent / name.replace("\\", "/"))
+        try:
+            return near if any(self._named(self._folder / each) for each in (near, unquote(near))) else name
+        except (OSError, ValueError):  # too long, or with a NUL: `bytes_of` says so
+            return name
 
     def bytes_of(self, name: str, *, quoted: bool = False) -> bytes:
         """The bytes that a name or a data URI stands for.
@@ -112,7 +120,7 @@ class References:
             raise UserError(Fault(self.where, f"holds data that cannot be read: {error}")) from error
 
     def _file(self, name: str, quoted: bool) -> bytes:
-        file = unquote(name) if quoted and not self.has(name) else name
+        file = self._unquoted(name)
         if quoted and _is_elsewhere(name):
             what = f"refers to {name[:80]!r}, on another machine"
             raise UserError(Fault(self.where, what, "files beside it", "Copy that file beside the model."))
@@ -134,20 +142,29 @@ class References:
             self.notes.append(f"refers to {file!r}: {target.name} beside it is read")
         return read_bytes(target, "mesh_mb", where=self.where, within=self._within)
 
+    def _unquoted(self, name: str) -> str:
+        """A name without the escapes of URIs, which programs write into other files too."""
+        return name if self.has(name) else unquote(name)
+
     def _found(self, file: str) -> Path | None:
         """The file of a name: as it stands, in other capitals, or beside the model.
 
-        Models come from machines that do not tell capitals apart, or with paths that hold there alone.
+        Models come from machines that do not tell capitals apart, or with paths that hold there alone. One
+        outside of the folder that files must lie in comes last: it is refused.
         """
-        named = PurePosixPath(file.replace("\\", "/"))
-        place = self._folder / named
-        if place.exists():
-            return place
-        for folder in dict.fromkeys((place.parent, self._folder)):
-            inside = folder.resolve().is_relative_to(self._within.resolve())
-            if inside and (found := named_file(folder, named.name)) is not None:
-                return found
-        return None
+        place = self._folder / PurePosixPath(file.replace("\\", "/"))
+        return (
+            self._named(place)
+            or self._named(self._folder / place.name)
+            or (place if place.exists() else None)
+        )
+
+    def _named(self, place: Path) -> Path | None:
+        """The file of a place in the folder that files must lie in, in these capitals or others."""
+        folder = place.parent
+        if not folder.is_dir() or not folder.resolve().is_relative_to(self._within.resolve()):
+            return None
+        return named_file(folder, place.name)
 
 
 def _is_elsewhere(uri: str) -> bool:
