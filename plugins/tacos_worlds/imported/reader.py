@@ -14,6 +14,7 @@ from tacos_framework import Fault, UserError
 from tacos_worlds.imported.doubts import likely_unit
 from tacos_worlds.imported.labels import Rule
 from tacos_worlds.kit.models.cutouts import cut_out, without_clear
+from tacos_worlds.kit.models.hulls import without_hulls
 from tacos_worlds.kit.models.model import Model, Surface
 
 _FAR_M = 1000.0
@@ -58,7 +59,7 @@ def read_world(
         for rule in rules
         if all(rule.matches(s.path) is None for s in model.surfaces)
     ]
-    model = without_clear(replace(model, surfaces=tuple(kept)), solid=glass == "solid")
+    model = without_clear(without_hulls(replace(model, surfaces=tuple(kept))), solid=glass == "solid")
     faults += content_faults(model, str(file))
     if faults:
         raise UserError(faults)

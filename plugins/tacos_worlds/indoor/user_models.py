@@ -16,6 +16,7 @@ from tacos_worlds.kit.finishes import Finish
 from tacos_worlds.kit.mesh import Mesh
 from tacos_worlds.kit.mesh_files import content_faults, read_model
 from tacos_worlds.kit.models.cutouts import cut_out, without_clear
+from tacos_worlds.kit.models.hulls import without_hulls
 from tacos_worlds.kit.models.model import Model, Skin
 from tacos_worlds.kit.models.normals import with_normals
 from tacos_worlds.kit.models.patch import Patch, sound, welded
@@ -96,7 +97,7 @@ def load_user_models(folder: str) -> UserModels:
 
 def _opened(file: Path, root: Path) -> Model:
     read = read_model(file, most_px=_TEXTURE_PX, within=root, most_triangles=MAX_TRIANGLES)
-    if faults := [*content_faults(model := without_clear(read), str(file))]:
+    if faults := [*content_faults(model := without_clear(without_hulls(read)), str(file))]:
         raise UserError(faults)
     return cut_out(model, MAX_TRIANGLES)
 
