@@ -34,6 +34,10 @@ class HeaderError(ValueError):
     """A header that is broken, or a file that does not hold what its header promises."""
 
 
+class OtherFormat(HeaderError):
+    """Content of another format than those that are read."""
+
+
 @dataclass(frozen=True)
 class ImageHeader:
     """Size, depth and channels of an image, by its header.
@@ -82,7 +86,24 @@ def read_header(content: bytes, *, of_texture: bool = False) -> ImageHeader:
                 raise HeaderError(f"it says its size is {header.width_px} x {header.height_px}")
             return header
     formats = TEXTURE_FORMATS if of_texture else FORMATS
-    raise HeaderError("it is empty" if not content else f"it is none of {formats}")
+    if not content:
+        raise HeaderError("it is empty")
+    known = named_format(content)
+    raise OtherFormat(f"it is {known}, none of {formats}" if known else f"it is none of {formats}")
+
+
+_OTHERS = {
+    b"PK\x03\x04": "a ZIP archive",
+    b"\x1f\x8b": "a file packed by gzip",
+    b"v/1\x01": "OpenEXR",
+    b"SIMPLE  =": "FITS",
+}
+"""First bytes of formats that are taken for others, as npz is for npy, and their names."""
+
+
+def named_format(content: bytes) -> str:
+    """The name of a format of archives or images that is read nowhere here; empty for others."""
+    return next((name for start, name in _OTHERS.items() if content.startswith(start)), "")
 
 
 FORMATS = "PNG, JPEG, TIFF, WebP, BMP, PGM, PPM"

@@ -16,6 +16,7 @@ from tacos_files.image_headers import (
     UNREADABLE,
     HeaderError,
     ImageHeader,
+    OtherFormat,
     read_header,
 )
 from tacos_files.tiff_as_stored import tiff_as_stored
@@ -110,7 +111,8 @@ def checked_header(content: bytes, where: str, name: str, *, of_texture: bool = 
 
 def _unreadable(where: str, name: str, error: HeaderError, formats: str = FORMATS) -> Fault:
     what = f"{name} is no image that can be read: {error}"
-    return Fault(where, what, formats, "Copy or save it anew.")
+    remedy = "Save it as one of these." if isinstance(error, OtherFormat) else "Copy or save it anew."
+    return Fault(where, what, formats, remedy)
 
 
 def _damaged(where: str, name: str, reason: str) -> Fault:

@@ -49,3 +49,13 @@ def test_one_number_that_no_camera_gives_is_refused(
     np.save(tmp_path / "frame.npy", spoilt)
     with pytest.raises(UserError, match=r"frame\.npy holds"):
         read_frame(tmp_path / "frame.npy", "frames")
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [(b"PK\x03\x04\x14\0", "a ZIP archive"), (b"v/1\x01\2\0", "OpenEXR"), (b"SIMPLE  =  T", "FITS")],
+)
+def test_formats_that_are_not_read_are_named(content: bytes, said: str, tmp_path: Path) -> None:
+    (tmp_path / "frame.img").write_bytes(content)
+    with pytest.raises(UserError, match=f"(?s)it is {said}, none of PNG.*Save it as one of these"):
+        read_frame(tmp_path / "frame.img", "frames")

@@ -103,7 +103,7 @@ def test_whole_numbers_of_a_quantised_mesh_are_scaled_by_the_transform_of_its_te
 @pytest.mark.parametrize(
     ("more", "said"),
     [
-        ({"extensionsRequired": ["ACME_fur"]}, "it needs ACME_fur"),
+        ({"extensionsRequired": ["ACME_fur"]}, "needs ACME_fur"),
         (
             {"accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}]},
             "beyond",

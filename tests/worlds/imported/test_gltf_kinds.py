@@ -349,6 +349,19 @@ def test_what_has_no_effect_is_said(more: dict[str, Any], said: str, tmp_path: P
     assert any(said in note for note in made.read(tmp_path).notes)
 
 
+def test_points_without_faces_are_told_as_such(tmp_path: Path) -> None:
+    made = Tree()
+    made.primitive |= {"mode": 0}
+    with pytest.raises(UserError, match="a cloud of 4 points, without faces"):
+        made.read(tmp_path)
+
+
+def test_polygons_of_triangles_are_read(tmp_path: Path) -> None:
+    made = Tree()
+    made.tree["extensionsRequired"] = ["FB_ngon_encoding"]
+    assert made.read(tmp_path).triangle_count == 2
+
+
 def test_vertices_far_from_the_origin_of_their_node_are_told_to_be_rounded(tmp_path: Path) -> None:
     made = Tree()
     made.primitive["attributes"]["POSITION"] = made.array(SQUARE + np.float32([5411932.6, 0, 0]), "VEC3")

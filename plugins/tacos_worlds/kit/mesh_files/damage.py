@@ -43,6 +43,12 @@ def refuse_triangles(where: str, count: int, most: int | None) -> None:
         raise UserError(Fault(where, what, f"at most {allowed:.0f}", remedy))
 
 
+def points_alone(where: str, count: int) -> UserError:
+    """The refusal of a file of points that no faces connect."""
+    remedy = "Make a mesh of them (Poisson reconstruction in MeshLab or CloudCompare) and export that."
+    return UserError(Fault(where, f"is a cloud of {count} points, without faces", "a mesh", remedy))
+
+
 def content_faults(model: Model, where: str) -> Iterator[Fault]:
     """What of a model's numbers no world can be made of."""
     if not model.triangle_count:

@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from tacos_worlds.kit.mesh_files.damage import Damaged, refuse_triangles
+from tacos_framework import Fault, UserError
+from tacos_worlds.kit.mesh_files.damage import Damaged, points_alone, refuse_triangles
 from tacos_worlds.kit.mesh_files.gltf_buffers import Buffers, Json
-from tacos_worlds.kit.mesh_files.gltf_notes import UNDERSTOOD, notes_on, remedy_for
+from tacos_worlds.kit.mesh_files.gltf_notes import UNDERSTOOD, notes_on
 from tacos_worlds.kit.mesh_files.gltf_primitives import Primitive
 from tacos_worlds.kit.mesh_files.gltf_skins import Skins
 from tacos_worlds.kit.mesh_files.precision import rounding_note
@@ -23,7 +24,7 @@ from tacos_worlds.kit.models.model import Model, PunctualLight, Surface
 
 _DEEPEST = 200
 """Levels of nodes; no program nests them so deep."""
-_TRIANGLES, _STRIP, _FAN = 4, 5, 6
+_POINTS, _TRIANGLES, _STRIP, _FAN = 0, 4, 5, 6
 
 
 def read_gltf(content: bytes, references: References, most_px: int, most_triangles: int | None) -> Model:
@@ -38,9 +39,15 @@ def read_gltf(content: bytes, references: References, most_px: int, most_triangl
     buffers = Buffers(content, references)
     required = set(map(str, buffers.header.get("extensionsRequired", [])))
     if unknown := sorted(required - UNDERSTOOD):
-        raise Damaged("; ".join(f"it needs {name}: {remedy_for(name)}" for name in unknown))
+        remedy = "Export it without that extension."
+        raise UserError(
+            Fault(references.where, f"needs {name}, which is not known", "glTF without it", remedy)
+            for name in unknown
+        )
     reader = _Reader(buffers, most_px, most_triangles)
     model = reader.model()
+    if not model.surfaces and reader.point_count:
+        raise points_alone(references.where, reader.point_count)
     notes = dict.fromkeys((*references.notes, *reader.rounded, *notes_on(buffers)))
     return replace(model, notes=tuple(notes))
 
@@ -52,7 +59,7 @@ class _Reader:
         self._lights: list[PunctualLight] = []
         self.rounded: list[str] = []
         self._placed: set[object] = set()
-        self._triangle_count = 0
+        self._triangle_count = self.point_count = 0
         self._default_skin = len(buffers.listed("materials"))
         self._quantised = "KHR_mesh_quantization" in buffers.header.get("extensionsRequired", [])
 
@@ -151,6 +158,8 @@ class _Reader:
     ) -> Surface | None:
         """A primitive in the world; None for points and lines."""
         mode, attributes = primitive.get("mode", _TRIANGLES), primitive.get("attributes", {})
+        if mode == _POINTS and "POSITION" in attributes:
+            self.point_count += self._buffers.count(attributes["POSITION"])
         if mode not in (_TRIANGLES, _STRIP, _FAN) or "POSITION" not in attributes:
             return None
         self._count(primitive.get("indices", attributes["POSITION"]), mode)

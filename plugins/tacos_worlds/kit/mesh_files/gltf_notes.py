@@ -33,6 +33,7 @@ _EFFECTS = {
     "KHR_materials_iridescence": "films do not shimmer in colours",
     "KHR_materials_anisotropy": "brushed metal mirrors alike in all directions",
     "KHR_materials_dispersion": "glass does not split colours",
+    "FB_ngon_encoding": "polygons are drawn as their triangles",
     "KHR_materials_variants": "the first look of each surface is drawn",
 }
 UNDERSTOOD = _CARRIED_OUT | _EFFECTS.keys()

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from tacos_framework import Fault, UserError
 from tacos_framework.camera import linear_from_srgb
 from tacos_framework.files import limits, too_large
-from tacos_worlds.kit.mesh_files.damage import Damaged, refuse_triangles
+from tacos_worlds.kit.mesh_files.damage import Damaged, points_alone, refuse_triangles
 from tacos_worlds.kit.mesh_files.mtl import Library, MtlMaterial, read_library
 from tacos_worlds.kit.mesh_files.mtl_skins import MtlSkins
 from tacos_worlds.kit.mesh_files.polygons import surface_of
@@ -114,6 +114,8 @@ def read_obj(content: bytes, references: References, most_px: int, most_triangle
     library = _library(read.libraries, references)
     references.notes += dict.fromkeys(_NOT_DRAWN[each] for each in read.not_drawn)
     surfaces, skins = read.model(library, references, most_px, Path(references.file_name).stem)
+    if read.vertex_count and not (surfaces or read.not_drawn):
+        raise points_alone(where, read.vertex_count)
     refuse_triangles(where, sum(len(each.triangles) for each in surfaces), most_triangles)
     return Model(tuple(surfaces), tuple(skins), notes=tuple(references.notes))
 
@@ -131,6 +133,10 @@ class _Reader:
         self.libraries: list[str] = []
         self.not_drawn: dict[str, None] = {}
         self._rows = {"v": _Lines(), "vt": _Lines(), "vn": _Lines()}
+
+    @property
+    def vertex_count(self) -> int:
+        return len(self._rows["v"].texts)
 
     def lines(self, text: str) -> None:
         """Read all lines."""

@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import Fault, UserError
 from tacos_framework.camera import linear_from_srgb
-from tacos_worlds.kit.mesh_files.damage import Damaged, refuse_triangles
+from tacos_worlds.kit.mesh_files.damage import Damaged, points_alone, refuse_triangles
 from tacos_worlds.kit.mesh_files.mtl import MtlMaterial
 from tacos_worlds.kit.mesh_files.mtl_skins import MtlSkins
 from tacos_worlds.kit.mesh_files.polygons import surface_of
@@ -68,9 +67,7 @@ def read_ply(content: bytes, references: References, most_px: int, most_triangle
     counts = {element.name: element.count for element in elements}
     where, faces = references.where, counts.get("face", 0) + counts.get("tristrips", 0)
     if not faces:
-        remedy = "Make a mesh of them (Poisson reconstruction in MeshLab or CloudCompare) and export that."
-        what = f"is a cloud of {counts.get('vertex', 0)} points, without faces"
-        raise UserError(Fault(where, what, "a mesh", remedy))
+        raise points_alone(where, counts.get("vertex", 0))
     refuse_triangles(where, faces, most_triangles)
     tables = dict(_tables(form, elements, body))
     model = _model(tables, pictures, references, most_px)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from tacos_files.image_headers import named_format
 from tacos_framework import Fault, UserError
 from tacos_framework.files import read_bytes
 from tacos_worlds.kit.mesh_files.damage import UNREADABLE, Damaged
@@ -17,6 +18,8 @@ from tacos_worlds.kit.models.model import Model
 _READERS = {".glb": read_gltf, ".gltf": read_gltf, ".obj": read_obj, ".ply": read_ply, ".stl": read_stl}
 SUFFIXES = tuple(_READERS)
 """What the names of files of triangles end in."""
+
+_REMEDY = f"Export it again, or as another of {', '.join(SUFFIXES)}."
 
 
 def read_model(
@@ -37,6 +40,9 @@ def read_model(
     if kind not in SUFFIXES:
         raise UserError(Fault(where, f"{path.name} is no file of triangles", f"one of {', '.join(SUFFIXES)}"))
     content = read_bytes(path, "mesh_mb", where=where, within=folder)
+    if packed := named_format(content):
+        remedy = "Unpack it, or export the model as one of these."
+        raise UserError(Fault(where, f"is {packed}", f"the content of {path.suffix}", remedy))
     references = References(path, folder, where, len(content))
     try:
         model = _READERS[kind](content, references, most_px, most_triangles)
@@ -46,7 +52,6 @@ def read_model(
         if not isinstance(error, Damaged):
             said = f"something in it is not what its format allows ({said})"
         what = f"cannot be read: {said}"
-        remedy = "Export it again, as a whole and uncompressed."
-        raise UserError(Fault(where, what, "a whole file", remedy)) from error
+        raise UserError(Fault(where, what, "a file that keeps to its format", _REMEDY)) from error
     references.refuse_faults()
     return model
