@@ -78,7 +78,8 @@ def _fault(
         owner = ".".join(map(str, keys[:-1])) or "it"
         return Fault(where(path), f"{owner} has a key {given}", wanted, "Rename it.")
     meaning = f" ({help})" if (help := _help(place.field)) else ""
-    return Fault(where(path), f"{name or 'value'} is {given}", f"{wanted}{meaning}", "Correct the value.")
+    remedy = details.get("ctx", {}).get("remedy", "Correct the value.")
+    return Fault(where(path), f"{name or 'value'} is {given}", f"{wanted}{meaning}", remedy)
 
 
 def _expected(kind: Any, complaint: Mapping[str, Any]) -> str:

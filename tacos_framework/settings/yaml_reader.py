@@ -119,10 +119,17 @@ class _Reader:
         self.loader.get_event()  # document end
         if not self.loader.check_event(yaml.StreamEndEvent):
             second = _position(self.loader.get_event().start_mark)
-            self._fault(
-                second, "a second document starts here", "one document in a file", "Remove the '---'."
-            )
+            if not self._ends_with_nothing():
+                self._fault(
+                    second, "a second document starts here", "one document in a file", "Remove the '---'."
+                )
         return data
+
+    def _ends_with_nothing(self) -> bool:
+        """True if a document that has begun is empty and the last, as behind messages that ROS prints."""
+        content, _ = self.loader.get_event(), self.loader.get_event()
+        is_empty = isinstance(content, yaml.ScalarEvent) and not content.value and content.implicit[0]
+        return is_empty and self.loader.check_event(yaml.StreamEndEvent)
 
     def _value(self, path: tuple[str | int, ...], depth: int) -> Any:
         event = self.loader.get_event()

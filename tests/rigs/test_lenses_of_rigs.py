@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from tacos_framework import Lens, find_catalog
 from tacos_framework.camera import pixels_of_rays
+from tacos_framework.settings import check
 from tacos_plugins.rigs.front_back_sides import FrontBackSidesRig
 from tacos_plugins.rigs.lens import LensPart, derived_fit, notes_on_fit
 from tacos_plugins.rigs.lens_curve import lens_of_curve
@@ -207,13 +208,20 @@ def test_a_calibrated_rectilinear_lens_keeps_its_distortion(tmp_path):
             "of images of 640 x 800 pixels, and this camera reads out 848 x 800: calib",
         ),
         (
-            ROS.replace("equidistant", "rational_polynomial"),
-            "distortion model 'rational_polynomial', where plumb_bob",
+            ROS.replace("equidistant", "thin_prism"),
+            "distortion model 'thin_prism', where plumb_bob",
+        ),
+        (
+            ROS.replace("equidistant", "rational_polynomial").replace("0.011]", "0.011, 0, 0.1]"),
+            "6 coefficients of distortion model 'rational_polynomial', where 5 are known",
         ),
         (ROS.replace("282.5", "300"), "focal lengths 300 and 281.5 px, where pixels are square"),
         ("a: 1\n", "it lacks image_width, image_height, camera_matrix, distortion_coefficients"),
         ("cam0: {intrinsics: [1, 1, 1, 1]}\n", "it lacks resolution, distortion_model, distortion_coeffs"),
         ("[1, 2", "expected|YAML"),
+        ("1 OPENCV 848 800 282.5", "it has no names of values"),
+        ("<opencv_storage>", "not valid XML"),
+        ("<!DOCTYPE a [<!ENTITY b 'c'>]><a/>", "has a DOCTYPE"),
         (None, "camera.yaml"),
     ],
 )
@@ -223,6 +231,60 @@ def test_calibrations_that_do_not_fit_are_refused(text, said, tmp_path):
         path.write_text(text)
     with pytest.raises(ValidationError, match=said):
         one(calibration=str(path))
+
+
+ECHO = """header: {frame_id: cam}
+height: 800
+width: 848
+distortion_model: "plumb_bob"
+D: [-0.1, 0.02, 0.001, -0.002, 0.01]
+K: [282.5, 0.0, 420.3, 0.0, 281.5, 404.1, 0.0, 0.0, 1.0]
+---
+"""
+EUROC = """sensor_type: camera
+resolution: [848, 800]
+camera_model: pinhole
+intrinsics: [282.5, 281.5, 420.3, 404.1]
+distortion_model: radial-tangential
+distortion_coefficients: [-0.1, 0.02, 0.001, -0.002]
+"""
+XML = """<?xml version="1.0"?>
+<opencv_storage>
+<image_Width>848</image_Width>
+<image_Height>800</image_Height>
+<Camera_Matrix type_id="opencv-matrix"><rows>3</rows><cols>3</cols><dt>d</dt>
+  <data>282.5 0. 420.3 0. 281.5 404.1 0. 0. 1.</data></Camera_Matrix>
+<Distortion_Coefficients type_id="opencv-matrix"><data>
+  -0.1 0.02 0.001 -0.002 0.01</data></Distortion_Coefficients>
+</opencv_storage>
+"""
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        ECHO,
+        ECHO.replace("D:", "d:").replace("K:", "k:").replace("---\n", ""),
+        ECHO.replace("plumb_bob", "rational_polynomial").replace("0.01]", "0.01, 0, 0, 0]"),
+        EUROC,
+        XML,
+    ],
+)
+def test_calibrations_are_read_as_other_programs_write_them(text, tmp_path):
+    path = tmp_path / "camera.yaml"
+    path.write_text(text)
+    camera = one(calibration=str(path))
+    assert camera.lens.projection == "rectilinear"
+    assert camera.lens.coefficients[:4] == (-0.1, 0.02, 0.001, -0.002)
+    assert camera.centre_px == (420.3, 404.1)
+
+
+def test_a_calibration_that_is_none_is_told_with_the_formats(tmp_path):
+    path = tmp_path / "camera.yaml"
+    path.write_text("Camera.fx: 420.5\n")
+    _, [fault], _ = check(MonocularRig.Variables, {"sensor": T265, "calibration": str(path)}, str)
+    assert "it lacks image_width" in fault.expected
+    assert fault.remedy.startswith("Give a file of OpenCV")
 
 
 def test_a_calibration_is_the_only_word_on_the_lens(tmp_path):

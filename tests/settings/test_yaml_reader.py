@@ -183,6 +183,11 @@ def test_faults_before_a_syntax_error_are_told_too() -> None:
 
 def test_a_second_document_is_refused() -> None:
     assert faults_of("a: 1\n---\nb: 2\n") == [("recipe.yaml:2:1", "a second document starts here")]
+    assert faults_of("a: 1\n---\n''\n") == [("recipe.yaml:2:1", "a second document starts here")]
+
+
+def test_an_empty_document_at_the_end_is_nothing() -> None:
+    assert read_yaml("a: 1\n---\n").data == {"a": 1}
 
 
 def test_nesting_is_bounded_however_it_is_written() -> None:

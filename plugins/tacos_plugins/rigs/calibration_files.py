@@ -1,4 +1,4 @@
-"""Lenses from calibration files: OpenCV's YAML, ROS's camera_info, Kalibr's camera chain."""
+"""Lenses from calibration files: OpenCV's YAML and XML, ROS's camera_info, Kalibr's and EuRoC's YAML."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
+from xml.etree import ElementTree
 
 from pydantic import model_validator
 from pydantic_core import PydanticCustomError
@@ -20,11 +21,25 @@ MOST_UNEVEN = 0.02
 
 _MODELS: Mapping[str, Projection] = {
     "plumb_bob": "rectilinear",
+    "rational_polynomial": "rectilinear",
     "radtan": "rectilinear",
+    "radial-tangential": "rectilinear",
     "none": "rectilinear",
     "equidistant": "kannala-brandt",
     "fisheye": "kannala-brandt",
 }
+
+_OTHER_NAMES = {
+    "width": "image_width",
+    "height": "image_height",
+    "k": "camera_matrix",
+    "d": "distortion_coefficients",
+}
+"""Of messages of ROS, as `topic echo` writes them, in small letters."""
+_REMEDY = (
+    "Give a file of OpenCV (YAML, JSON or XML), ROS (camera_info), Kalibr (camchain.yaml) or EuRoC "
+    "(sensor.yaml), or its numbers."
+)
 
 
 class CalibratedLens(Settings):
@@ -50,7 +65,9 @@ class CalibratedLens(Settings):
         except (KeyError, TypeError, ValueError) as error:
             found = f"{given}: {error}"
         raise PydanticCustomError(
-            "calibration_file", "a calibration by OpenCV, ROS or Kalibr ({found})", {"found": found}
+            "calibration_file",
+            "a calibration by OpenCV, ROS or Kalibr ({found})",
+            {"found": found, "remedy": _REMEDY},
         )
 
     @property
@@ -62,19 +79,45 @@ class CalibratedLens(Settings):
 def read_calibration(path: Path) -> dict[str, Any]:
     """The settings of a `CalibratedLens` in a file; of a camera chain the first camera.
 
-    Raises `UserError` when the file cannot be read, or is no YAML. Raises `ValueError` when something in it
-    is missing, or not a lens that is known here.
+    Raises `UserError` when the file cannot be read, or is no YAML. Raises `ValueError` when it is XML that is
+    spoilt, or something in it is missing, or not a lens that is known here.
     """
     text = re.sub(r"\A%YAML[^\n]*\n", "", read_text(path, where=str(path)))  # OpenCV's directive is not YAML
-    data = read_yaml(text.replace("!!opencv-matrix", ""), str(path), aliases=True).data
-    found = _kalibr(data["cam0"]) if "cam0" in data else _opencv_or_ros(data)
+    if text.lstrip().startswith("<"):
+        data: Any = _of_xml(text)
+    else:
+        data = read_yaml(text.replace("!!opencv-matrix", ""), str(path), aliases=True).data
+    camera = data.get("cam0", data) if isinstance(data, dict) else data
+    if not isinstance(camera, dict):
+        raise ValueError("it has no names of values")
+    by_kalibr = camera is not data or "intrinsics" in camera
+    found = _kalibr_or_euroc(camera) if by_kalibr else _opencv_or_ros(camera)
     across, down = found.pop("focal_lengths_px")
     if abs(across / down - 1) > MOST_UNEVEN:
         raise ValueError(f"focal lengths {across:g} and {down:g} px, where pixels are square")
     return {"title": path.name, **found, "focal_length_px": math.sqrt(across * down)}
 
 
-def _kalibr(camera: Mapping[str, Any]) -> dict[str, Any]:
+def _of_xml(text: str) -> dict[str, Any]:
+    """The entries of a file that `cv2.FileStorage` wrote as XML."""
+    if "<!DOCTYPE" in text:  # entities may grow without bound
+        raise ValueError("its XML has a DOCTYPE, where OpenCV writes none")
+    try:
+        return {each.tag: _of_element(each) for each in ElementTree.fromstring(text)}
+    except ElementTree.ParseError as error:
+        raise ValueError(f"this is not valid XML: {error}") from error
+
+
+def _of_element(element: ElementTree.Element) -> Any:
+    if (data := element.findtext("data")) is not None:
+        return {"data": [float(word) for word in data.split()]}
+    text = (element.text or "").strip()
+    return int(text) if text.isdecimal() else text
+
+
+def _kalibr_or_euroc(camera: Mapping[str, Any]) -> dict[str, Any]:
+    if "distortion_coefficients" in camera:  # of EuRoC
+        camera = {"distortion_coeffs": camera["distortion_coefficients"], **camera}
     _require(camera, "intrinsics", "resolution", "distortion_model", "distortion_coeffs")
     if camera.get("camera_model", "pinhole") != "pinhole":
         raise ValueError(f"camera_model {camera['camera_model']!r}, where pinhole is known")
@@ -89,17 +132,25 @@ def _kalibr(camera: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _opencv_or_ros(data: Mapping[str, Any]) -> dict[str, Any]:
+def _opencv_or_ros(given: Mapping[str, Any]) -> dict[str, Any]:
+    small = {key.lower(): value for key, value in given.items()}  # older OpenCV: Camera_Matrix
+    data = {**{name: small[other] for other, name in _OTHER_NAMES.items() if other in small}, **small}
     _require(data, "image_width", "image_height", "camera_matrix", "distortion_coefficients")
-    across, _, x, _, down, y, *_ = data["camera_matrix"]["data"]
-    model = data.get("distortion_model", "fisheye" if data.get("fisheye_model") else "plumb_bob")
+    across, _, x, _, down, y, *_ = _numbers(data["camera_matrix"])
+    model = data.get("distortion_model") or ("fisheye" if data.get("fisheye_model") else "plumb_bob")
     return {
         "width_px": data["image_width"],
         "height_px": data["image_height"],
         "focal_lengths_px": (across, down),
         "centre_px": (x, y),
-        **_lens(model, data["distortion_coefficients"]["data"]),
+        **_lens(model, _numbers(data["distortion_coefficients"])),
     }
+
+
+def _numbers(matrix: Any) -> Sequence[float]:
+    """Of a matrix with its size, or of a list."""
+    numbers: Sequence[float] = matrix["data"] if isinstance(matrix, dict) else matrix
+    return numbers
 
 
 def _lens(model: str, coefficients: Sequence[float]) -> dict[str, Any]:

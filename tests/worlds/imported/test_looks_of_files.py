@@ -340,7 +340,7 @@ def test_a_plain_file_has_nothing_to_be_said(tmp_path: Path) -> None:
 
 
 def test_an_extension_that_is_needed_and_unknown_is_a_fault(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="(?s)needs ACME_mesh, .*Export it without"):
+    with pytest.raises(UserError, match=r"(?s)needs ACME_mesh, .*Export it without"):
         read_model(gltf(tmp_path, extensionsRequired=["ACME_mesh"]), most_px=64)
 
 

@@ -74,17 +74,10 @@ def _euroc_camera(camera: Path) -> str:
     file = camera / "sensor.yaml"
     if not file.is_file():
         return ""
-    text = read_text(file, where=str(file)).replace("%YAML:1.0", "")
-    data = read_yaml(text, str(file)).data
+    text = read_text(file, where=str(file))
+    data = read_yaml(text.replace("%YAML:1.0", ""), str(file)).data
     keys = ("resolution", "intrinsics", "distortion_coefficients", "distortion_model")
-    if not isinstance(data, dict) or any(key not in data for key in keys):
-        return ""
-    model = {"radial-tangential": "radtan"}.get(data["distortion_model"], data["distortion_model"])
-    return (
-        f"cam0:\n  camera_model: pinhole\n  intrinsics: {data['intrinsics']}\n"
-        f"  resolution: {data['resolution']}\n"
-        f"  distortion_model: {model}\n  distortion_coeffs: {data['distortion_coefficients']}\n"
-    )
+    return text if isinstance(data, dict) and all(key in data for key in keys) else ""
 
 
 def _table(folder: Path) -> Iterator[FoundFrame]:
