@@ -279,6 +279,16 @@ def test_calibrations_are_read_as_other_programs_write_them(text, tmp_path):
     assert camera.centre_px == (420.3, 404.1)
 
 
+@pytest.mark.parametrize(("baseline_m", "told"), [(0.11, False), (0.064, True)])
+def test_a_baseline_that_contradicts_the_calibration_is_told(baseline_m, told, tmp_path):
+    path = tmp_path / "camchain.yaml"
+    second = "cam1: {T_cn_cnm1: [[1, 0, 0, -0.11], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}"
+    path.write_text(KALIBR.replace("cam1: {camera_model: pinhole}", second))
+    variables = StereoRig.Variables(sensor=T265, baseline_m=baseline_m, calibration=str(path))
+    said = " ".join(StereoRig(StereoRig.Config()).notes(variables))
+    assert ("camchain.yaml are 0.11 m apart, and baseline_m is 0.064 m" in said) == told
+
+
 def test_a_calibration_that_is_none_is_told_with_the_formats(tmp_path):
     path = tmp_path / "camera.yaml"
     path.write_text("Camera.fx: 420.5\n")

@@ -52,6 +52,9 @@ class CalibratedLens(Settings):
     centre_px: Annotated[tuple[float, float], LISTED] = setting(help="Principal point (x, y).", unit="px")
     projection: Projection = setting(help="Its projection.")
     coefficients: Coefficients = setting((), help="In OpenCV's order.")
+    baseline_m: float | None = setting(
+        None, help="Distance to the second camera of its chain, for a note.", unit="m", ge=0
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -92,6 +95,8 @@ def read_calibration(path: Path) -> dict[str, Any]:
         raise ValueError("it has no names of values")
     by_kalibr = camera is not data or "intrinsics" in camera
     found = _kalibr_or_euroc(camera) if by_kalibr else _opencv_or_ros(camera)
+    if by_kalibr:
+        found["baseline_m"] = _baseline_m(data.get("cam1"))
     across, down = found.pop("focal_lengths_px")
     if abs(across / down - 1) > MOST_UNEVEN:
         raise ValueError(f"focal lengths {across:g} and {down:g} px, where pixels are square")
@@ -130,6 +135,13 @@ def _kalibr_or_euroc(camera: Mapping[str, Any]) -> dict[str, Any]:
         "centre_px": (x, y),
         **_lens(camera["distortion_model"], camera["distortion_coeffs"]),
     }
+
+
+def _baseline_m(second: Any) -> float | None:
+    """Distance of the second camera of a chain from the first; None where there is none [m]."""
+    if not isinstance(second, dict) or "T_cn_cnm1" not in second:
+        return None
+    return math.hypot(*(row[3] for row in second["T_cn_cnm1"][:3]))
 
 
 def _opencv_or_ros(given: Mapping[str, Any]) -> dict[str, Any]:

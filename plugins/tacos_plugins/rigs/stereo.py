@@ -28,6 +28,9 @@ from tacos_plugins.rigs.product import (
     with_parts_of_product,
 )
 
+_SAME_BASELINE = 0.01
+"""Share by which a baseline may differ from that of a calibration without a note [1]."""
+
 
 class StereoRig:
     """Two equal, parallel cameras, ``left`` and ``right``, symmetric about the agent's eye.
@@ -142,9 +145,15 @@ class StereoRig:
         return {**optics, **costs, "baseline_m": variables.baseline_m}
 
     def notes(self, variables: Variables) -> Iterator[str]:
-        """Notes for buyers of a whole camera, and on the dark part of images."""
+        """Notes for buyers of a whole camera, on a chain of others, and on the dark part of images."""
         if variables.camera is not None:
             yield from notes_on_product(variables.camera)
+        chain, given_m = variables.calibration, variables.baseline_m
+        if chain and not math.isclose(chain.baseline_m or given_m, given_m, rel_tol=_SAME_BASELINE):
+            yield (
+                f"The cameras of {chain.title} are {chain.baseline_m:.3g} m apart, and baseline_m is "
+                f"{given_m:.3g} m. Both cameras have the first lens of that file."
+            )
         yield from notes_on_circle(_optics(variables), variables.read_out)
 
     def coordinates(self, variables: Variables) -> Mapping[str, float]:
