@@ -6,6 +6,7 @@
 ``camera_images``  files of cameras, RAW among them: images of captures, frames for measurements of noise
 ``exposure_names`` exposure times in the names of files
 ``table_columns``  columns of tables by their headings
+``dates``          dates with a time of day
 
 No plugin of its own: what the packages of plugins have in common here, the core has no need of.
 """

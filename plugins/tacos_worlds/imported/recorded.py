@@ -34,7 +34,7 @@ def read_recorded(
     own = found.poses[:, :3, :3]
     poses[:, :3, :3] = rotation @ (own @ AGENT_FROM_OPTICAL[:3, :3].T if of_camera else own)
     poses[:, :3, 3] = found.poses[:, :3, 3] @ turn.T - origin_m
-    doubts = []
+    doubts = [f"{file.name}: {doubt}" for doubt in found.doubts]
     if found.unit != ("ns" if found.form == "euroc" else "s"):
         layout = {"tum": "TUM", "euroc": "EuRoC"}[found.form]
         doubts.append(f"{file.name}: stamps are read as {found.unit}, in the layout of {layout}")

@@ -259,8 +259,18 @@ def names_of(pose: str, between: str) -> str:
         (f"__time,/odom/header/stamp,{names_of('/odom/pose', '/')}", "{s}.{ms},{s}.{ms},1,2,3,0,.6,0,.8"),
         ("# timestamp(s) q p v bg ba", "{s}.{ms} 0 .6 0 .8 1 2 3 0 0 0 0 0 0 0 0 0"),
         ("time;x;y;z;qx;qy;qz;qw", "{s},{ms};1,0;2,0;3,0;0;0,6;0;0,8"),
+        ("secs,nsecs,x,y,z,qx,qy,qz,qw", "{s},{ms}000000,1,2,3,0,.6,0,.8"),
+        ("# pose format: timestamp tx ty tz qx qy qz qw", "{s}.{ms} 1 2 3 0 .6 0 .8"),
+        ("# timestamp position quaternion (w, x, y, z)", "{s}.{ms} 1 2 3 .8 0 .6 0"),
+        ("time [s],x [cm],y [mm],z,qx,qy,qz,qw", "{s}.{ms},100,2000,3,0,.6,0,.8"),
+        ("time_s,x_cm,y_mm,z_m,qx,qy,qz,qw", "{s}.{ms},100,2000,3,0,.6,0,.8"),
+        ("timestamp,x,y,z,qx,qy,qz,qw", "2024-05-01T12:00:00.{ms}Z,1,2,3,0,.6,0,.8"),
+        ("# time x y z qx qy qz qw", "2024-05-01 12:00:00.{ms} 1 2 3 0 .6 0 .8"),
     ],
-    ids=["bagpy", "ros2", "plotjuggler", "openvins", "decimal commas"],
+    ids=[
+        *("bagpy", "ros2", "plotjuggler", "openvins", "decimal commas", "ros1", "label", "w first in words"),
+        *("units in brackets", "units in names", "dates", "dates and times"),
+    ],
 )
 def test_tables_of_other_programs_are_their_path(head: str, line: str, tmp_path: Path) -> None:
     lines = [head, *(line.format(s=1_700_000_000, ms=f"{250 * i:03d}") for i in range(4))]
@@ -271,6 +281,35 @@ def test_tables_of_other_programs_are_their_path(head: str, line: str, tmp_path:
     np.testing.assert_allclose(
         found.poses[2, :3, :3], Rotation.from_quat([0, 0.6, 0, 0.8]).as_matrix(), atol=1e-9
     )
+
+
+@pytest.mark.parametrize(
+    ("line", "w_first", "doubted"),
+    [
+        ("{s}.{ms},1,2,3,{q}", False, False),
+        ("{s},{ms};1,0;2,0;3,0;{q}", False, False),
+        ("{s}{ms}000000,1,2,3,{q}", True, True),
+        ("{s}{ms}000000,1,2,3,{q},0,0,0", True, False),
+    ],
+)
+def test_stamps_tell_where_w_is_in_tables_without_names(
+    line: str, w_first: bool, doubted: bool, tmp_path: Path
+) -> None:
+    quaternion = [0.8, 0, 0.6, 0] if w_first else [0, 0.6, 0, 0.8]
+    between = ";" if ";" in line else ","
+    q = between.join(map(str, quaternion))
+    file = tmp_path / "poses.csv"
+    file.write_text("\n".join(line.format(s=1_700_000_000, ms=f"{250 * i:03d}", q=q) for i in range(1, 4)))
+    found = read_poses(file)
+    np.testing.assert_allclose(found.time_s, [0, 0.25, 0.5], atol=1e-6)
+    np.testing.assert_allclose(Rotation.from_matrix(found.poses[0, :3, :3]).as_quat(), [0, 0.6, 0, 0.8])
+    assert any("w is taken to be first" in doubt for doubt in found.doubts) == doubted
+
+
+def test_a_comment_on_inverse_poses_is_doubted(tmp_path: Path) -> None:
+    (tmp_path / "p.txt").write_text("# world-to-camera: time x y z qx qy qz qw\n0 1 2 3 0 0 0 1\n")
+    _, doubts = read_recorded(tmp_path / "p.txt", np.eye(3), np.zeros(3), of_camera=False)
+    assert any("world-to-camera" in doubt and "invert them" in doubt for doubt in doubts)
 
 
 def test_a_pose_that_was_lost_is_named(tmp_path: Path) -> None:
@@ -285,8 +324,12 @@ def test_a_path_longer_than_a_day_is_refused_before_memory_is_taken(tmp_path: Pa
         read_poses(write_poses(tmp_path / "long.txt", ["0", "100", "200", "2e9"]))
 
 
-@pytest.mark.parametrize("form", ["ros", "nerf", "colmap", "matrices", "stamped matrices"])
-def test_one_path_in_the_forms_of_other_programs_is_one_path(form: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "form",
+    ["ros", "nerf", "nerf out of order", "colmap", "colmap, no points", "matrices", "stamped matrices"],
+)
+@pytest.mark.parametrize("between", [" ", ","])
+def test_one_path_in_the_forms_of_other_programs_is_one_path(form: str, between: str, tmp_path: Path) -> None:
     rng = np.random.default_rng(3)
     turns, places = Rotation.random(5, rng=rng), rng.normal(size=(5, 3))
     matrices = np.tile(np.eye(4), (5, 1, 1))
@@ -299,23 +342,26 @@ def test_one_path_in_the_forms_of_other_programs_is_one_path(form: str, tmp_path
             stamp = 1_700_000_000_000_000_000 + i * 100_000_000
             lines.append(",".join(map(str, [stamp + 7, i, stamp, "base link", *p, *q])))
         text = "\n".join(lines)
-    elif form == "nerf":
+    elif form.startswith("nerf"):
         origin = np.array([4e5, -5e6, 2.0])
         near = [each - np.pad(origin[:, None], ((0, 1), (3, 0))) for each in matrices]
         frames = [{"transform_matrix": (each @ np.diag([1, -1, -1, 1])).tolist()} for each in near]
+        if form == "nerf out of order":
+            named = [{"file_path": f"r1/{9 + i}.png", **each} for i, each in enumerate(frames)]
+            frames = [named[i] for i in (3, 0, 4, 1, 2)]
         text = json.dumps({"camera_angle_x": 0.7, "origin_m": origin.tolist(), "frames": frames})
-    elif form == "colmap":
+    elif form.startswith("colmap"):
         lines = ["# Image list with two lines of data per image:"]
         for i, (turn, place) in enumerate(zip(turns, places, strict=True)):
             x, y, z, w = turn.inv().as_quat()
             at = -turn.inv().apply(place)
             pose = f"{i} {w} {x} {y} {z} {at[0]} {at[1]} {at[2]} 1 frame_{i}.jpg"
-            lines[1:1] = [pose, "1.0 2.0 -1" * (i % 2)]
+            lines[1:1] = [pose, "1.0 2.0 -1" * (i % 2)] if form == "colmap" else [pose]
         text = "\n".join(lines)
     else:
         stamps = [[0.1 * i] if form == "stamped matrices" else [] for i in range(5)]
         rows = [[*s, *each.ravel()] for s, each in zip(stamps, matrices, strict=True)]
-        text = "\n".join(" ".join(map(str, row)) for row in rows)
+        text = "\n".join(between.join(map(str, row)) for row in rows)
     file = tmp_path / "poses.txt"
     file.write_text(text)
     found = read_poses(file)
@@ -331,6 +377,11 @@ def test_one_path_in_the_forms_of_other_programs_is_one_path(form: str, tmp_path
         ("0 1 2 3 nan 0 0 1\n", "not finite"),
         ("0 1 2 3 0 0 0 1\n0 1 2 3 0 0 0 1\n", "do not rise"),
         ("0 1 2 3\n", "a line of names such as"),
+        (
+            "# in prose time x y z qx qy qz qw\n0 1 2 3 0 0 0 1\n",
+            "line 2 has 8 numbers, its line of names more",
+        ),
+        ("1 1 0 0 0 0 0 0 1 a.png\n\n2 1 0 x 0 0 0 0 1 b.png\n", "where a pose belongs"),
         ('{"frames": [{"file_path": "a"}]}', "no transforms.json"),
     ],
 )

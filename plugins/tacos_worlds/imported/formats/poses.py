@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -17,10 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from tacos_files.dates import date_ns
 from tacos_framework.files import decoded
 from tacos_worlds.imported.formats.camera_poses import colmap_poses, nerf_poses
 from tacos_worlds.imported.formats.file_bytes import Unreadable, file_bytes
-from tacos_worlds.imported.formats.pose_columns import Columns, has_angles, named_columns
+from tacos_worlds.imported.formats.pose_columns import Columns, has_angles, named_columns, w_is_first
 
 KITTI_RATE_HZ = 10.0
 """KITTI's files hold no times; its cameras took 10 frames a second [Hz]."""
@@ -39,9 +40,15 @@ _SHORTEST_STEP_S, _LONG_STEP_S, _ABSURD_STEP_S = 1e-3, 5.0, 1000.0
 _LONGEST_S = 86_400.0
 _SLOW_M_S, _FAST_M_S = 0.05, 60.0
 
+_LEAST_DECIMALS = 1e-4
+"""Of stamps in seconds; less is the rounding of whole nanoseconds [1]."""
+
 _MATRICES = (12, 13, 16, 17)
 """Numbers of a line that holds the rows of [R | t], as KITTI has them, or of 4 x 4; after a stamp or not."""
 _UNTIMED = {"kitti": "KITTI's layout", "colmap": "images.txt of COLMAP", "nerf": "transforms.json"}
+_DATE = re.compile(r"(?<=\d{4}-\d\d-\d\d) (?=\d\d:)")
+"""Between a date and its time of day."""
+_INVERSE = re.compile(r"world[-_ ]?(to|2)[-_ ]?cam\w*|\bw2c\b|\bt_?cw\b", re.IGNORECASE)
 _UNIT_TOLERANCE = 0.2
 """Of the length of a quaternion: some write two decimals [1]."""
 _ROTATION_TOLERANCE = 0.01
@@ -56,6 +63,7 @@ class RecordedPath:
     poses: NDArray[np.float64]  # (K, 4, 4) of a body in the world of the recording [m]
     form: Form  # layout of the file
     unit: StampUnit = "s"  # that its stamps were taken to have
+    doubts: tuple[str, ...] = ()  # about the layout
 
 
 def read_poses(file: Path) -> RecordedPath:
@@ -71,14 +79,21 @@ def read_poses(file: Path) -> RecordedPath:
         return _untimed(found, "colmap")
     table, columns, commas = _table(lines)
     wide = table.shape[1]
-    if columns is None and wide in _MATRICES and not commas:
-        matrices = np.tile(np.eye(4), (len(table), 1, 1))
-        matrices[:, :3] = table[:, wide % 4 :][:, :12].reshape(-1, 3, 4)
-        if wide % 4:
-            return _timed(table[:, 0], matrices, "tum")
-        return _untimed(matrices, "kitti")
+    comments = "\n".join(line for line in lines if line.lstrip().startswith("#"))
+    doubts = []
+    if inverse := _INVERSE.search(comments):
+        doubts.append(f"a comment says {inverse[0]!r}: if that is of its poses, invert them")
+    if columns is None and wide in _MATRICES and (path := _of_matrices(table, commas)):
+        return replace(path, doubts=tuple(doubts))
+    form: Form = "euroc" if commas else "tum"
     if columns is None and (wide == 8 or (wide > 8 and commas)):
-        columns = Columns(0, (1, 2, 3), (5, 6, 7, 4) if commas else (4, 5, 6, 7))
+        form = "euroc" if commas and not _has_decimals(table[:, 0]) else "tum"  # EuRoC counts nanoseconds
+        told = w_is_first(comments)
+        w_first = form == "euroc" if told is None else told
+        columns = Columns(0, (1, 2, 3), (5, 6, 7, 4) if w_first else (4, 5, 6, 7))
+        if commas and told is None and (form == "tum") == (wide > 8):
+            place = "first, as in EuRoC" if w_first else "last, as in TUM"
+            doubts.append(f"lines of {wide} numbers, with commas and no names: w is taken to be {place}")
     if columns is None:
         raise Unreadable(
             f"its lines have {wide} numbers: TUM has 8, EuRoC 8 or more with commas, KITTI 12; "
@@ -90,12 +105,22 @@ def read_poses(file: Path) -> RecordedPath:
         raise Unreadable(f"pose {np.argmax(off) + 1} has a rotation that is no unit quaternion")
     poses = np.tile(np.eye(4), (len(table), 1, 1))
     poses[:, :3, :3] = Rotation.from_quat(quaternion).as_matrix()
-    poses[:, :3, 3] = table[:, columns.position]
+    poses[:, :3, 3] = table[:, columns.position] * columns.unit_m
     stated = next((unit for unit in _SECONDS if unit == columns.unit), None)
     stamp = table[:, columns.time]
     if columns.nanoseconds is not None:
         stamp = stamp - stamp[0] + table[:, columns.nanoseconds] * 1e-9
-    return _timed(stamp, poses, "euroc" if commas else "tum", stated)
+    return replace(_timed(stamp, poses, form, stated), doubts=tuple(doubts))
+
+
+def _of_matrices(table: NDArray[np.float64], commas: bool) -> RecordedPath | None:
+    """The path of a table of matrices; None where commas part numbers that are none, as wide as EuRoC's."""
+    begin = table.shape[1] % 4
+    matrices = np.tile(np.eye(4), (len(table), 1, 1))
+    matrices[:, :3] = table[:, begin:][:, :12].reshape(-1, 3, 4)
+    if commas and np.median(_no_rotations(matrices[:, :3, :3])):
+        return None
+    return _timed(table[:, 0], matrices, "tum") if begin else _untimed(matrices, "kitti")
 
 
 def _table(lines: Sequence[str]) -> tuple[NDArray[np.float64], Columns | None, bool]:
@@ -111,7 +136,7 @@ def _table(lines: Sequence[str]) -> tuple[NDArray[np.float64], Columns | None, b
             continue
         if not rows and has_angles(line):
             raise Unreadable("it has roll, pitch and yaw, whose order no name tells: give qx, qy, qz, qw")
-        text = line.split("#", 1)[0].strip()
+        text = _DATE.sub("T", line.split("#", 1)[0].strip())
         if not text:
             continue
         if ";" in text:  # decimal commas, as programs write them in many countries
@@ -125,7 +150,9 @@ def _table(lines: Sequence[str]) -> tuple[NDArray[np.float64], Columns | None, b
         except ValueError as error:
             what = "numbers" if rows else "numbers, nor of names such as time, x, y, z, qx, qy, qz, qw"
             raise Unreadable(f"line {number} is not a line of {what}: {text[:60]!r}") from error
-        if len(rows[-1]) != len(rows[0]) or (columns and len(words) <= max(columns.needed())):
+        if columns and len(words) <= max(columns.needed()):
+            raise Unreadable(f"line {number} has {len(words)} numbers, its line of names more: {text[:60]!r}")
+        if len(rows[-1]) != len(rows[0]):
             raise Unreadable(f"line {number} has {len(rows[-1])} numbers, the first one {len(rows[0])}")
     if not rows:
         raise Unreadable("it holds no poses")
@@ -136,13 +163,19 @@ def _table(lines: Sequence[str]) -> tuple[NDArray[np.float64], Columns | None, b
     return table, columns, commas
 
 
+def _has_decimals(stamp: NDArray[np.float64]) -> bool:
+    return bool(np.abs(stamp - np.rint(stamp)).max() > _LEAST_DECIMALS)
+
+
 def _number(word: str, needed: bool) -> float:
     try:
         return float(word)
     except ValueError:
-        if needed:
+        if not needed:
+            return 0.0
+        if (since_1970_ns := date_ns(word)) is None:
             raise
-        return 0.0
+        return since_1970_ns * 1e-9
 
 
 def _untimed(poses: NDArray[np.float64], form: Form) -> RecordedPath:
@@ -153,10 +186,14 @@ def _untimed(poses: NDArray[np.float64], form: Form) -> RecordedPath:
 
 
 def _check_rotations(matrices: NDArray[np.float64]) -> None:
+    if len(wrong := np.flatnonzero(_no_rotations(matrices))):
+        raise Unreadable(f"pose {wrong[0] + 1} has a matrix that is no rotation")
+
+
+def _no_rotations(matrices: NDArray[np.float64]) -> NDArray[np.bool_]:
     bounded = np.clip(matrices, -2.0, 2.0)  # what is beyond is no rotation either way, and may not overflow
     off = np.abs(np.swapaxes(bounded, 1, 2) @ bounded - np.eye(3)).max(axis=(1, 2)) > _ROTATION_TOLERANCE
-    if len(wrong := np.flatnonzero(off | (np.linalg.det(bounded) < 0))):
-        raise Unreadable(f"pose {wrong[0] + 1} has a matrix that is no rotation")
+    return np.asarray(off | (np.linalg.det(bounded) < 0))
 
 
 def _timed(
@@ -200,7 +237,7 @@ def doubt_of_time(path: RecordedPath) -> str | None:
     """Doubts about the times of a path; None where there are none."""
     if path.form in _UNTIMED and path.form != "kitti":
         what = f"{_UNTIMED[path.form]} holds neither times nor a unit"
-        return f"{what}: {KITTI_RATE_HZ:g} poses a second, and metres, are taken"
+        return f"{what}: {KITTI_RATE_HZ:g} poses a second, by number or as in the file, and metres, are taken"
     if path.form == "kitti":
         return f"{_UNTIMED[path.form]} holds no times: {KITTI_RATE_HZ:g} poses a second are taken"
     if len(path.time_s) < 3:
