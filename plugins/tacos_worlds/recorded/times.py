@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
+from tacos_files.dates import date_ns
 from tacos_files.exposure_names import time_in_name_ms
 from tacos_files.table_columns import EXPOSURE, FILE, Column, find_column
 from tacos_framework import Fault
@@ -12,6 +13,10 @@ from tacos_framework.files import read_csv
 
 TIMES = "times.csv"
 _NANOSECOND = 1e-9
+_EXPECTED = {
+    _NANOSECOND: "a whole number of nanoseconds",
+    None: "a date and a time of day: 2024-05-01T12:00:00.05",
+}
 _STAMP = ("taken", "timestamp", "stamp", "time", "t")
 
 
@@ -38,7 +43,7 @@ def read_times(table: Path) -> tuple[list[TimedFile], list[Fault]]:
     faults = [
         Fault(f"{table}:1", f"the column {each.heading} states no unit", f"{each.heading}_ns, _us, _ms or _s")
         for each in (stamp, exposure)
-        if each is not None and each.unit_s is None
+        if each is not None and each.unit_s is None and not (each is stamp and _has_dates(each, lines))
     ]
     if faults:
         return [], faults
@@ -50,8 +55,8 @@ def read_times(table: Path) -> tuple[list[TimedFile], list[Fault]]:
         try:
             stamp_ns = _whole_ns(taken, stamp)
         except (ValueError, OverflowError):
-            whole = "a whole number of nanoseconds" if stamp.unit_s == _NANOSECOND else "a number"
-            faults.append(Fault(where, f"has {stamp.heading} {taken!r}", whole))
+            expected = _EXPECTED.get(stamp.unit_s, "a number")
+            faults.append(Fault(where, f"has {stamp.heading} {taken!r}", expected))
             continue
         try:
             exposure_ms = exposure.seconds(stated) * 1e3 if exposure and stated else named_ms(name)
@@ -79,7 +84,16 @@ def named_ms(name: str) -> float | None:
 
 
 def _whole_ns(text: str, column: Column) -> int:
-    """Nanoseconds of a stamp; those that are stated so stay whole, which floats of 64 bits do not hold."""
-    return (
-        int(text) if column.unit_s == _NANOSECOND else round(float(text) * (column.unit_s or 1) / _NANOSECOND)
-    )
+    """Nanoseconds of a stamp; those that are stated so stay whole, which floats of 64 bits do not hold.
+
+    Raises ValueError where it is neither a date nor a number that has a unit.
+    """
+    if (since_1970_ns := date_ns(text)) is not None:
+        return since_1970_ns
+    if column.unit_s is None:
+        raise ValueError
+    return int(text) if column.unit_s == _NANOSECOND else round(float(text) * column.unit_s / _NANOSECOND)
+
+
+def _has_dates(column: Column, lines: list[tuple[int, list[str]]]) -> bool:
+    return any(date_ns(column.cell(cells)) is not None for _, cells in lines[:1])

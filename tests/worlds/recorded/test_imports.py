@@ -48,6 +48,20 @@ def tum(folder: Path) -> Path:
     return folder
 
 
+def tum_monocular(folder: Path) -> Path:
+    frames(folder / "images", [f"{i:05d}.jpg" for i in range(4)])
+    lines = [f"{i:05d} {1000 + i * 0.05:.6f} 5.0" for i in range(4)]
+    (folder / "times.txt").write_text("\n".join(lines))
+    return folder
+
+
+def dates(folder: Path) -> Path:
+    frames(folder, [f"{i}.png" for i in range(4)])
+    lines = [f"{i}.png,2024-05-01T12:00:00.{50 * i:03d}Z" for i in range(4)]
+    (folder / "times.csv").write_text("\n".join(["file,timestamp", *lines]))
+    return folder
+
+
 def kitti(folder: Path) -> Path:
     frames(folder / "image_00" / "data", [f"{i:010d}.png" for i in range(4)])
     stamps = [f"2011-09-26 13:02:25.{i * 50:03d}000000" for i in range(4)]
@@ -65,7 +79,7 @@ def video(folder: Path) -> Path:
     return file
 
 
-@pytest.mark.parametrize("layout", [euroc, tum, kitti, video])
+@pytest.mark.parametrize("layout", [euroc, tum, tum_monocular, dates, kitti, video])
 def test_a_recording_comes_in_with_its_times(layout, tmp_path: Path) -> None:
     (tmp_path / "source").mkdir()
     out = tmp_path / "out"
@@ -226,6 +240,18 @@ def test_columns_are_found_by_any_heading_that_has_its_unit(heading: str, row: s
         ("4/0.png", 0, 4.0),
         ("8/1.png", STEP_NS, 8.0),
     ]
+
+
+def test_exposures_of_the_monocular_tum_come_along(tmp_path: Path) -> None:
+    assert main(["recordings", "import", str(tum_monocular(tmp_path)), "--out", str(tmp_path / "out")]) == 0
+    assert set(read_recording(tmp_path / "out", fewest=1, response="linear").exposures) == {"5"}
+
+
+def test_a_number_in_a_column_of_dates_is_named(tmp_path: Path) -> None:
+    (tmp_path / "times.csv").write_text("file,time\na.png,2024-05-01T12:00:00\nb.png,1.5\n")
+    found, faults = read_times(tmp_path / "times.csv")
+    assert [each.stamp_ns for each in found] == [1_714_564_800 * 10**9]
+    assert [(fault.what, fault.expected[:6]) for fault in faults] == [("has time '1.5'", "a date")]
 
 
 def test_a_column_without_its_unit_is_named(tmp_path: Path) -> None:

@@ -1,13 +1,13 @@
-"""Recordings that are folders: a table of times, EuRoC, TUM, KITTI."""
+"""Recordings that are folders: a table of times, EuRoC, TUM (also its monocular one), KITTI."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from datetime import datetime
 from functools import partial
 from pathlib import Path
 
-from tacos_files.camera_images import read_image
+from tacos_files.camera_images import PICTURE_SUFFIXES, read_image
+from tacos_files.dates import date_ns
 from tacos_framework import Fault, UserError, read_yaml
 from tacos_framework.files import named_file, read_csv, read_lines, read_text
 from tacos_worlds.recorded.found_response import RESPONSE
@@ -38,6 +38,8 @@ def in_folder(folder: Path) -> FoundRecording:
         return FoundRecording("a table of times", tuple(_table(here)), response=response)
     if (here / "rgb.txt").is_file():
         return FoundRecording("TUM", tuple(_tum(here)))
+    if (here / "images").is_dir() and (here / "times.txt").is_file():
+        return FoundRecording("TUM, monocular", tuple(_tum_monocular(here / "images", here / "times.txt")))
     for table in (here / "timestamps.txt", here / "times.txt", here.parent / "times.txt"):
         if table.is_file():
             return FoundRecording("KITTI", tuple(_kitti(here, table)))
@@ -102,9 +104,32 @@ def _tum(folder: Path) -> Iterator[FoundFrame]:
             yield _frame(folder, name, stamp_ns, None, where)
 
 
+def _tum_monocular(images: Path, table: Path) -> Iterator[FoundFrame]:
+    """Engel et al. 2016, a photometrically calibrated benchmark: number, time [s], exposure [ms]."""
+    names = {Path(name).stem: name for name in _pictures(images)}
+    for number, line in enumerate(read_lines(table), 1):
+        if line.strip() and not line.startswith("#"):
+            where = f"{table}:{number}"
+            stem, *numbers = line.split()
+            try:
+                stamp, exposure_ms = numbers[0], float(numbers[1]) if numbers[1:] else 0.0
+            except (IndexError, ValueError) as error:
+                what, expected = (
+                    f"holds {line.strip()!r}",
+                    "number, time [s] and exposure [ms] of a frame",
+                )
+                raise UserError(Fault(where, what, expected)) from error
+            exposed = exposure_ms if 0 < exposure_ms < float("inf") else None
+            yield _frame(images, names.get(stem, stem), _stamp_ns(stamp, where), exposed, where)
+
+
+def _pictures(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir() if path.suffix.lower() in PICTURE_SUFFIXES)
+
+
 def _kitti(images: Path, table: Path) -> Iterator[FoundFrame]:
     folder = images / "data" if (images / "data").is_dir() else images
-    names = sorted(path.name for path in folder.glob("*.png"))
+    names = _pictures(folder)
     lines = [line.strip() for line in read_lines(table) if line.strip()]
     if len(names) != len(lines):
         what = f"has {len(lines)} times for {len(names)} frames"
@@ -112,15 +137,12 @@ def _kitti(images: Path, table: Path) -> Iterator[FoundFrame]:
             Fault(str(table), what, "a time for each frame", "Frames were dropped: match them by hand.")
         )
     for number, (name, line) in enumerate(zip(names, lines, strict=True), 1):
-        yield _frame(folder, name, _kitti_ns(line, f"{table}:{number}"), None, f"{table}:{number}")
+        yield _frame(folder, name, _stamp_ns(line, f"{table}:{number}"), None, f"{table}:{number}")
 
 
-def _kitti_ns(text: str, where: str) -> int:
+def _stamp_ns(text: str, where: str) -> int:
     try:
-        if ":" not in text:
-            return round(float(text) * 1e9)
-        whole, _, part = text.partition(".")
-        seconds = (datetime.fromisoformat(whole) - datetime(1970, 1, 1)).total_seconds()
-        return round(seconds) * 10**9 + int(part.ljust(9, "0")[:9])
-    except ValueError as error:
+        since_1970_ns = date_ns(text)
+        return round(float(text) * 1e9) if since_1970_ns is None else since_1970_ns
+    except (ValueError, OverflowError) as error:
         raise UserError(Fault(where, f"holds {text!r}", "seconds, or a date and a time of day")) from error
