@@ -7,10 +7,10 @@ from collections.abc import Iterator
 
 _TIME = re.compile(
     r"(?<![a-z0-9.,])(?:(?:exp(?:osure)?|shutter|time|tint|et|t)[ =:-]?)?"
-    r"(\d+(?:[.,]\d+)?)\s?(ns|us|\u00b5s|\u03bcs|ms|msec|s|sec)(?![a-z0-9])",
+    r"(\d+(?:[.,p]\d+)?)\s?(ns|us|\u00b5s|\u03bcs|ms|msec|s|sec)(?![a-z0-9])",
     re.IGNORECASE,
 )
-"""A decimal point or comma; the micro sign, or the Greek letter."""
+"""A decimal point or comma, or ``2p5ms``; the micro sign, or the Greek letter."""
 
 _THOUSANDS = re.compile(r"[1-9]\d{0,2},\d{3}")
 """``8,000us`` is eight milliseconds to some, eight microseconds to others."""
@@ -57,7 +57,7 @@ def time_in_name_ms(stem: str) -> float | None:
         return None
     if _THOUSANDS.fullmatch(whole[1]):
         return None
-    return float(whole[1].replace(",", ".")) * _MS[whole[2].lower()] or None
+    return float(re.sub("[,pP]", ".", whole[1])) * _MS[whole[2].lower()] or None
 
 
 def possible_time_ms(stem: str) -> float | None:

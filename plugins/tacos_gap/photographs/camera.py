@@ -215,7 +215,7 @@ def _doubts(pictures: Sequence[Picture], entry: dict[str, Any]) -> Iterator[str]
         yield "The aperture changed between pictures: it is best left alone."
     for source in dict.fromkeys(f.time_from for f in facts if f.time_from):
         first = next(picture for picture in pictures if picture.facts.time_from == source)
-        whence = "the names of files" if source == OF_NAME else source
+        whence = "the names of files or folders" if source == OF_NAME else source
         yield f"Exposure times were read from {whence} ({first.name}: {first.facts.exposure_ms:g} ms)."
     unused = low_bits_unused(reduce(or_, (picture.used_bits for picture in pictures)))
     if unused >= FEWEST_UNUSED and entry["bit_depth"] - unused >= 8:

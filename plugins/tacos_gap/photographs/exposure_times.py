@@ -64,7 +64,7 @@ def _against_names(pictures: Sequence[Picture]) -> Iterator[str]:
     for key, (what, unit) in _IN_WORDS.items():
         differing: dict[str, tuple[float, float]] = {}
         for picture in pictures:
-            own, named = getattr(picture.facts, key), settings_in_name(picture.path.stem).get(key)
+            own, named = getattr(picture.facts, key), settings_in_name(picture.path).get(key)
             if own is not None and named is not None and abs(own - named) > _AGREE * max(own, named):
                 differing[picture.name] = (named, own)
         if differing:

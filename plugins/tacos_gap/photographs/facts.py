@@ -63,7 +63,7 @@ def read_facts(path: Path) -> Facts:
     said, size_px = _of_raw(path) if path.suffix.lower() in RAW_SUFFIXES else ({}, None)
     if path.suffix.lower() != ".npy":
         said = {**_of_exif(path, size_px), **said}
-    by_name = settings_in_name(path.stem)
+    by_name = settings_in_name(path)
     if said.get("exposure_ms") is None and "exposure_ms" in by_name:
         said["time_from"] = OF_NAME
     said = by_name | {key: value for key, value in said.items() if value is not None}

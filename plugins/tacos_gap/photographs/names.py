@@ -23,12 +23,16 @@ _OF_WALLS = frozenset(
 )
 
 
-def settings_in_name(stem: str) -> dict[str, Any]:
-    """Settings that the name of a file says, by their names in `Facts`.
+def settings_in_name(path: Path) -> dict[str, Any]:
+    """Settings that the name of a file says, or else that of its folder, by their names in `Facts`.
 
-    >>> settings_in_name("wall_ISO800_f2.8_1-250s"), settings_in_name("dark_gain12dB_0.5s")
-    ({'exposure_ms': 4.0, 'iso': 800.0, 'f_number': 2.8}, {'exposure_ms': 500.0, 'gain_db': 12.0})
+    >>> settings_in_name(Path("wall_ISO800_f2.8_4ms.png")), settings_in_name(Path("20ms/dark_gain12dB.png"))
+    ({'exposure_ms': 4.0, 'iso': 800.0, 'f_number': 2.8}, {'exposure_ms': 20.0, 'gain_db': 12.0})
     """
+    return _settings_in_words(path.parent.name) | _settings_in_words(path.stem)
+
+
+def _settings_in_words(stem: str) -> dict[str, Any]:
     words = stem.replace("_", " ")
     found: dict[str, float | None] = {"exposure_ms": time_in_name_ms(stem)}
     for key, pattern in (("iso", _ISO), ("gain_db", _GAIN), ("f_number", _F_NUMBER)):

@@ -86,11 +86,21 @@ def test_fractions_of_a_second_in_names_are_fractions(joint: str, denominator: i
         ("cam1-250s", None),  # camera 1, or a 250th
         ("dark_8,000us", None),  # eight milliseconds, or microseconds
         ("dark_0,125s", 125.0),
+        ("shelf_16p7ms_0", 16.7),
         ("dark_0ms", None),
     ],
 )
 def test_what_a_name_may_mean_twice_is_no_time(stem: str, time_ms: float | None) -> None:
     assert time_in_name_ms(stem) == (None if time_ms is None else pytest.approx(time_ms))
+
+
+def test_a_folder_says_what_the_names_in_it_do_not(tmp_path: Path) -> None:
+    (folder := tmp_path / "iso100_1-125s").mkdir()
+    said = [read_facts(photograph(folder / name, {})) for name in ("0.jpg", "1_4ms.jpg")]
+    assert [(each.exposure_ms, each.iso, each.time_from) for each in said] == [
+        (8.0, 100.0, "its name"),
+        (4.0, 100.0, "its name"),
+    ]
 
 
 WORDS = st.text("abcdefghijkmoqrvxyz", min_size=1, max_size=8)
