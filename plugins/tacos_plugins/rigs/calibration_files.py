@@ -65,7 +65,7 @@ class CalibratedLens(Settings):
             return read_calibration(Path(given))
         except UserError as error:
             found = "; ".join(f"{fault.where}: {fault.what}" for fault in error.faults)
-        except (KeyError, TypeError, ValueError) as error:
+        except (LookupError, TypeError, ValueError) as error:
             found = f"{given}: {error}"
         raise PydanticCustomError(
             "calibration_file",
