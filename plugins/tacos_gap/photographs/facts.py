@@ -25,10 +25,22 @@ _MM_PER_UNIT = {2: 25.4, 3: 10.0, 4: 1.0, 5: 1e-3}
 """Millimetres of EXIF's FocalPlaneResolutionUnit: inch, cm, mm, um."""
 
 _MAKE, _MODEL, _SOFTWARE, _ORIENTATION, _EXIF = 0x010F, 0x0110, 0x0131, 0x0112, 0x8769
-_EXPOSURE, _F_NUMBER, _ISO, _TAKEN, _SUBSECOND = 0x829A, 0x829D, 0x8827, 0x9003, 0x9291
+_EXPOSURE, _F_NUMBER, _TAKEN, _SUBSECOND = 0x829A, 0x829D, 0x9003, 0x9291
+_ISOS = (0x8827, 0x8832, 0x8831, 0x8833)
+"""ISO, of 16 bits, and where it holds no more: recommended exposure index, standard output, ISO speed."""
+
+_ISO_ELSEWHERE = 0xFFFF
 _SHUTTER, _COLUMNS, _ROWS = 0x9201, 0x0100, 0x0101
 _TIFF = (b"II*\0", b"MM\0*")
 _FOCAL, _FOCAL_35, _PLANE_X, _PLANE_UNIT, _WIDTH = 0x920A, 0xA405, 0xA20E, 0xA210, 0xA002
+
+_POSSIBLE = {
+    "exposure_ms": (1e-6, 1e9),
+    "f_number": (0.1, 1e4),
+    "focal_length_mm": (1e-3, 1e5),
+    "pixel_um": (1e-3, 1e4),
+}
+"""The least and the most that captures may have; EXIF's infinity and other numbers are no settings."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +75,9 @@ def read_facts(path: Path) -> Facts:
     said, size_px = _of_raw(path) if path.suffix.lower() in RAW_SUFFIXES else ({}, None)
     if path.suffix.lower() != ".npy":
         said = {**_of_exif(path, size_px), **said}
+    for key, (least, most) in _POSSIBLE.items():
+        if not least <= (said.get(key) or 0.0) <= most:
+            said.pop(key, None)
     by_name = settings_in_name(path)
     if said.get("exposure_ms") is None and "exposure_ms" in by_name:
         said["time_from"] = OF_NAME
@@ -86,7 +101,9 @@ def _of_exif(path: Path, raw_size_px: tuple[int, int] | None) -> dict[str, Any]:
         "exposure_ms": exposure_s and exposure_s * 1e3,
         "f_number": _number(tags.get(_F_NUMBER)),
         "focal_length_mm": _number(tags.get(_FOCAL)),
-        "iso": _number(tags.get(_ISO)),
+        "iso": next(
+            (iso for tag in _ISOS if (iso := _number(tags.get(tag))) not in (None, _ISO_ELSEWHERE)), None
+        ),
         "pixel_um": _pitch_um(tags, width, height, scaled=raw_size_px is None),
         "orientation": int(_number(tags.get(_ORIENTATION)) or 1),
         "taken": _text(tags.get(_TAKEN)) + "." + _text(tags.get(_SUBSECOND)) if tags.get(_TAKEN) else "",

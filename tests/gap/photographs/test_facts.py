@@ -10,6 +10,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from PIL import Image
+from PIL.TiffImagePlugin import IFDRational
 
 from tacos_files.exposure_names import possible_time_ms, time_in_name_ms
 from tacos_framework.errors import UserError
@@ -33,12 +34,20 @@ def photograph(path: Path, own: dict[int, object]) -> Path:
         ({EXPOSURE: 1 / 60}, 1000 / 60),
         ({EXPOSURE: "1/60"}, 1000 / 60),
         ({SHUTTER: 6.0}, 1000 / 64),
+        ({EXPOSURE: IFDRational(2**32 - 1, 1)}, None),  # infinity
+        ({SHUTTER: IFDRational(0, 0)}, None),
+        ({SHUTTER: 200.0}, None),
         ({}, None),
     ],
 )
 def test_exposure_times_are_read_however_they_were_written(tmp_path, own, exposure_ms):
     found = read_facts(photograph(tmp_path / "a.jpg", own)).exposure_ms
     assert found == (exposure_ms and pytest.approx(exposure_ms))
+
+
+@pytest.mark.parametrize("own", [{0x8827: 65535, 0x8832: 102400}, {0x8831: 102400}, {0x8833: 102400}])
+def test_an_iso_beyond_16_bits_is_read_where_it_stands(tmp_path, own):
+    assert read_facts(photograph(tmp_path / "a.jpg", own)).iso == 102400
 
 
 def test_the_pixels_of_a_raw_file_are_those_of_the_sensor(tmp_path):
