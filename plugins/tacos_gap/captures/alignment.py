@@ -45,10 +45,10 @@ def shifted_left(bits: int, unused: int) -> str:
 
 
 def is_share_of_full_scale(image: NDArray[Any]) -> bool:
-    """True if values are fractions up to 1, and no digital numbers."""
+    """True if values are fractions up to 1, with noise about 0, and no digital numbers."""
     return (
         image.dtype.kind == "f"
         and image.size > 0
-        and bool(0 < image.max() <= 1 and image.min() >= 0)
+        and bool(0 < image.max() <= 1 and image.min() > -1)
         and not np.array_equal(image, np.rint(image))
     )

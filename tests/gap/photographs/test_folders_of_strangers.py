@@ -291,11 +291,12 @@ def test_values_in_the_upper_bits_of_their_files_are_doubted(tmp_path):
     assert any(limit.startswith("camera: Every value is a multiple of 16") for limit in limits)
 
 
-def test_shares_of_full_scale_are_no_digital_numbers(tmp_path):
+@pytest.mark.parametrize("least", [0.4, -0.01])
+def test_shares_of_full_scale_are_no_digital_numbers(tmp_path, least):
     (tmp_path / "in").mkdir()
-    np.save(tmp_path / "in/a_10ms.npy", np.random.default_rng(0).uniform(0.4, 0.5, SHAPE))
+    np.save(tmp_path / "in/a_10ms.npy", np.random.default_rng(0).uniform(least, 0.5, SHAPE))
     with pytest.raises(
-        UserError, match=r"run from 0\.4 to 0\.5\n.*digital numbers.*\n.*Multiply by full scale"
+        UserError, match=r"run from -?0\.\d+ to 0\.5\n.*digital numbers.*\n.*Multiply by full scale"
     ):
         import_photographs([tmp_path / "in"], tmp_path / "out")
 
