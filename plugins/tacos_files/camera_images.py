@@ -29,9 +29,10 @@ _RAW_BYTES = 2
 RAW_SUFFIXES = frozenset(
     {".dng", ".cr2", ".cr3", ".nef", ".nrw", ".arw", ".raf", ".rw2", ".rwl", ".orf", ".pef", ".srw", ".3fr"}
 )
-_HEIF_SUFFIXES = frozenset({".heic", ".heif"})
+_HEIF_SUFFIXES = frozenset({".heic", ".heif", ".hif", ".avif"})
 _HEIF = frozenset(
-    b"ftyp" + brand for brand in (b"heic", b"heix", b"heim", b"heis", b"hevc", b"mif1", b"msf1")
+    b"ftyp" + brand
+    for brand in (b"heic", b"heix", b"heim", b"heis", b"hevc", b"mif1", b"msf1", b"avif", b"avis")
 )
 """What stands in such a file from its fifth byte on, whatever it is called."""
 
@@ -41,18 +42,15 @@ _NO_HEIF = (
 )
 """Its readers turn pictures, and nothing here knows how its codec loses detail: no extra reads it."""
 
+LOSSY_SUFFIXES = _HEIF_SUFFIXES | {".jpg", ".jpeg", ".jfif", ".mpo", ".webp"}
+
 PICTURE_SUFFIXES = (
-    RAW_SUFFIXES
-    | _HEIF_SUFFIXES
-    | {*(".jpg", ".jpeg", ".webp", ".png", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".npy")}
+    RAW_SUFFIXES | LOSSY_SUFFIXES | {*(".png", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".npy")}
 )
 """Of photographs, as the import looks for them."""
 
-
 _LOSSY = {b"\xff\xd8\xff": "JPEG", b"RIFF": "WebP"}
 """First bytes of files whose coding changes noise, and the names of the codings."""
-
-LOSSY_SUFFIXES = frozenset({".jpg", ".jpeg", ".webp", ".heic", ".heif", ".avif"})
 
 _LOSSY_REMEDY = "Have the camera save raw frames: PNG, TIFF, npy, PGM or its RAW format."
 
@@ -143,7 +141,9 @@ def read_image(path: Path, where: str, within: Path | None = None, *, lossless: 
     else:
         content = read_bytes(path, "image_mb", where=where, within=within)
         if content[4:12] in _HEIF:
-            raise UserError(Fault(where, f"{path.name} is HEIF, which cannot be read", FORMATS, _NO_HEIF))
+            raise UserError(
+                Fault(where, f"{path.name} is HEIF or AVIF, which cannot be read", FORMATS, _NO_HEIF)
+            )
         coding = next((name for start, name in _LOSSY.items() if content.startswith(start)), None)
         if lossless and coding:
             what = f"{path.name} is {coding}, whose coding smooths noise and follows a tone curve"
@@ -191,7 +191,9 @@ def opened_raw(path: Path, where: str, within: Path | None = None) -> Iterator[A
                 raise UserError(too_large(where, f"the mosaic of {path.name}", size_bytes, "image_mb"))
             yield raw
     except (rawpy.LibRawError, OSError) as error:
-        raise UserError(Fault(where, f"{path.name} is no RAW file that can be read: {error}")) from error
+        reason = error.args[0].decode() if error.args and isinstance(error.args[0], bytes) else error
+        what = f"{path.name} is no RAW file that can be read: {reason}"
+        raise UserError(Fault(where, what, "camera RAW", "Copy it anew, or convert it to DNG.")) from error
 
 
 def check_bit_depth(image: NDArray[Any], bit_depth: int, where: str, name: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -20,6 +21,10 @@ _CONVERTED = {
     "`from astropy.io import fits; numpy.save('dark_10ms.npy', fits.getdata('dark.fits'))`.",
     frozenset({".mp4", ".mov", ".avi", ".mkv", ".m4v"}): "Save single frames: "
     "`ffmpeg -i clip.mp4 frame_%03d.png`. Video codecs smooth noise: take stills where the camera can.",
+    frozenset({".jp2", ".j2k", ".jxl", ".jxr", ".exr", ".gif", ".psd"}): "Save each as PNG or TIFF, with all "
+    "its bits.",
+    frozenset({".raw", ".bin"}): "Save each picture as an array of its own: "
+    "`numpy.save('dark_10ms.npy', numpy.fromfile('dark.raw', '<u2').reshape(rows, columns))`.",
 }
 """Files that hold pictures, by suffix, and how to get at these."""
 
@@ -40,16 +45,16 @@ def pictures_in(sources: Sequence[Path]) -> tuple[list[Path], list[Path], list[s
     ]
     if missing:
         raise UserError(missing)
-    there = list({path.resolve(): path for source in sources for path in _files_of(source)}.values())
+    there = list({os.path.realpath(path): path for source in sources for path in _files_of(source)}.values())
     found = [path for path in there if path.suffix.lower() in PICTURE_SUFFIXES]
     raw = {path.with_suffix("") for path in found if path.suffix.lower() in RAW_SUFFIXES}
     kept = [p for p in found if p.suffix.lower() in RAW_SUFFIXES or p.with_suffix("") not in raw]
     if not kept:
         what = "holds no pictures" if len(sources) == 1 else "and the others hold no pictures"
         instead = f"; there is {_listed(there)}" if there else ""
-        raise UserError(
-            Fault(str(sources[0]), what + instead, "JPEG, PNG, TIFF, BMP, PGM, PPM, camera RAW or .npy")
-        )
+        expected = "JPEG, PNG, TIFF, BMP, PGM, PPM, camera RAW or .npy"
+        remedy = " ".join(remedy for _, remedy in _convertible(there))
+        raise UserError(Fault(str(sources[0]), what + instead, expected, remedy))
     said = []
     if beside := len(found) - len(kept):
         those = "1 file" if beside == 1 else f"{beside} files"
@@ -62,11 +67,19 @@ def pictures_in(sources: Sequence[Path]) -> tuple[list[Path], list[Path], list[s
 def passed_over(others: Sequence[Path]) -> list[str]:
     """Sentences on files that are neither pictures nor tables: what to do about those that hold pictures."""
     said = []
-    for suffixes, remedy in _CONVERTED.items():
-        if those := [path for path in others if path.suffix.lower() in suffixes]:
-            said.append(f"Passed over: {_listed(those)}. {remedy}")
-            others = [path for path in others if path not in those]
+    for those, remedy in _convertible(others):
+        said.append(f"Passed over: {_listed(those)}. {remedy}")
+        others = [path for path in others if path not in those]
     return [*said, f"Passed over, as no pictures that can be read: {_listed(others)}."] if others else said
+
+
+def _convertible(others: Sequence[Path]) -> Iterator[tuple[list[Path], str]]:
+    """Files that hold pictures all the same, and links to folders; each with how to get at them."""
+    if links := [path for path in others if path.is_dir()]:
+        yield links, "Links to folders are not followed: name those folders too."
+    for suffixes, remedy in _CONVERTED.items():
+        if those := [path for path in others if path.suffix.lower() in suffixes and path not in links]:
+            yield those, remedy
 
 
 def recordings_among(sources: Sequence[Path]) -> list[str]:
@@ -81,12 +94,14 @@ def recordings_among(sources: Sequence[Path]) -> list[str]:
 
 
 def _files_of(source: Path) -> Iterator[Path]:
-    """A file, or the files of a folder by their names, 10 after 9."""
+    """A file, or the files of a folder by their names, 10 after 9, and links that lead to none."""
     if not source.is_dir():
         yield source
         return
     for path in sorted(source.rglob("*"), key=by_number):
-        if path.is_file() and not any(map(_is_of_system, path.relative_to(source).parts)):
+        if (path.is_file() or path.is_symlink()) and not any(
+            map(_is_of_system, path.relative_to(source).parts)
+        ):
             yield path
 
 

@@ -52,12 +52,33 @@ def test_files_that_are_passed_over_are_named(tmp_path):
         doubt.startswith("Passed over: clip.mp4. Save single frames: `ffmpeg") for doubt in found.doubts
     )
     (tmp_path / "in/a.png").unlink()
-    with pytest.raises(UserError, match=r"holds no pictures; there is clip.mp4, notes.txt"):
+    with pytest.raises(
+        UserError, match=r"no pictures; there is clip.mp4, notes.txt\n.*\n.*single frames: `ff"
+    ):
         import_photographs([tmp_path / "in"], tmp_path / "other")
 
 
-@pytest.mark.parametrize("suffix", [".pgm", ".bmp", ".PPM"])
-def test_files_of_machine_vision_are_pictures(tmp_path, suffix):
+@pytest.mark.parametrize(
+    ("name", "remedy"), [("a.jp2", "Save each as PNG or TIFF"), ("a.raw", "numpy.fromfile")]
+)
+def test_pictures_that_cannot_be_read_say_what_to_do(tmp_path, name, remedy):
+    (tmp_path / name).write_bytes(b"x")
+    with pytest.raises(UserError, match=rf"there is {name}\n.*\n.*{remedy}"):
+        import_photographs([tmp_path], tmp_path / "out")
+
+
+def test_links_that_lead_to_no_file_are_named(tmp_path):
+    taken(tmp_path / "in/a.png", 120)
+    taken(tmp_path / "elsewhere/b.png", 120)
+    for name, of in (("more", "elsewhere"), ("b.png", "gone.png"), ("c.png", "in/c.png")):
+        (tmp_path / "in" / name).symlink_to(tmp_path / of)
+    said = "\n".join(import_photographs([tmp_path / "in"], tmp_path / "out").doubts)
+    for sentence in ("Passed over: more. Links to folders", "b.png is left out", "c.png is left out"):
+        assert sentence in said
+
+
+@pytest.mark.parametrize("suffix", [".pgm", ".bmp", ".PPM", ".jfif", ".MPO"])
+def test_files_of_other_suffixes_are_pictures(tmp_path, suffix):
     taken(tmp_path / f"in/wall{suffix}", [120, 110, 100] if suffix == ".PPM" else 120)
     assert [e["kind"] for e in import_photographs([tmp_path / "in"], tmp_path / "out").entries] == ["flat"]
 
@@ -103,9 +124,12 @@ def test_focus_steps_are_compared_with_the_sharpest_of_their_view(tmp_path):
     assert [each.expected_frames for each in compared] == [1, 1]
 
 
-def test_a_heif_file_says_what_to_set_the_camera_to(tmp_path):
-    (tmp_path / "IMG_1.HEIC").write_bytes(b"\0\0\0 ftypheic")
-    with pytest.raises(UserError, match=r"IMG_1.HEIC is HEIF.*\n.*\n.*Let the camera save RAW or JPEG files"):
+@pytest.mark.parametrize(("suffix", "brand"), [("HEIC", b"heic"), ("HIF", b"heix"), ("avif", b"avif")])
+def test_a_heif_file_says_what_to_set_the_camera_to(tmp_path, suffix, brand):
+    (tmp_path / f"IMG_1.{suffix}").write_bytes(b"\0\0\0 ftyp" + brand)
+    with pytest.raises(
+        UserError, match=rf"IMG_1.{suffix} is HEIF.*\n.*\n.*Let the camera save RAW or JPEG files"
+    ):
         import_photographs([tmp_path], tmp_path / "out")
 
 
@@ -124,9 +148,9 @@ def test_files_that_cannot_be_read_are_named_and_the_others_imported(tmp_path, c
     assert tacos_main(["captures", "import", str(tmp_path / "in"), "--out", str(tmp_path / "out")]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert (
-        "IMG_1.HEIC, IMG_2.HEIC and sent.jpg are left out: each is HEIF, which cannot be read. Let the "
-        "camera save RAW or JPEG files (iPhone: Settings, Camera, Formats, Most Compatible), or convert what "
-        "is there to PNG or TIFF."
+        "IMG_1.HEIC, IMG_2.HEIC and sent.jpg are left out: each is HEIF or AVIF, which cannot be read. Let "
+        "the camera save RAW or JPEG files (iPhone: Settings, Camera, Formats, Most Compatible), or convert "
+        "what is there to PNG or TIFF."
     ) in said
     assert (
         "empty.jpg is left out: it is no image that can be read: it is empty. Copy or save it anew." in said
@@ -182,6 +206,13 @@ def test_a_camera_of_ten_bits_keeps_its_ten(tmp_path):
     found = import_photographs([tmp_path / "in"], tmp_path / "out")
     assert [entry["kind"] for entry in found.entries] == ["dark", "flat"]
     assert found.camera.entry["bit_depth"] == 10
+
+
+def test_a_broken_raw_file_says_what_to_do(tmp_path):
+    pytest.importorskip("rawpy", reason="the extra raw is not installed")
+    (tmp_path / "a.cr3").write_bytes(b"broken")
+    with pytest.raises(UserError, match=r"no RAW file that can be read: [A-Z].*\n.*\n.*Copy it anew"):
+        import_photographs([tmp_path], tmp_path / "out")
 
 
 def test_pictures_of_another_form_are_left_out_and_the_rest_can_be_read(tmp_path):
