@@ -160,8 +160,8 @@ _ENDS = {"PNG": b"IEND", "JPEG": b"\xff\xd9"}
 """What stands at the end of a whole file; decoders refuse others that are cut short."""
 
 
-_TYPE_SIZES = {1: 1, 3: 2, 4: 4, 16: 8}
-_LETTERS = {1: "B", 3: "H", 4: "I", 16: "Q"}
+_TYPE_SIZES = {1: 1, 3: 2, 4: 4, 13: 4, 16: 8}
+_LETTERS = {1: "B", 3: "H", 4: "I", 13: "I", 16: "Q"}
 _MOST_STRIPS = 1_000_000
 
 

@@ -25,7 +25,8 @@ _WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB, _MOSAIC = 0, 1, 2, 32803
 _FOREIGN = {4: "a mask of transparency", 5: "CMYK", 8: "CIE L*a*b*", 9: "CIE L*a*b*", 10: "CIE L*a*b*"}
 _WEIGHED_ALREADY = 1
 _FLOATS = 3
-_REDUCED_OR_MASK = 1 | 4
+_REDUCED, _REDUCED_OR_MASK = 1, 1 | 4
+_INNER, _DNG_VERSION = 330, 50706
 _PACKED_BITS = (10, 12, 14)
 _FULL_BITS = 16
 
@@ -65,6 +66,8 @@ def tiff_as_stored(content: bytes) -> TiffAsStored:
     def of(tag: int, default: int) -> int:
         return (tags.get(tag) or (default,))[0]
 
+    if _DNG_VERSION in tags or (_INNER in tags and of(_KIND, 0) & _REDUCED):
+        raise HeaderError("it is camera RAW, of which TIFF shows a preview; give it its own suffix, as .dng")
     bits, samples = of(_BITS, 1), of(_SAMPLES, 1)
     light = of(_PHOTOMETRIC, _BLACK_IS_ZERO)
     _check(bits, samples, light, is_float=of(_FORMAT, 1) == _FLOATS)

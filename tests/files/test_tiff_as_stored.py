@@ -27,6 +27,17 @@ def written(folder: Path, image: np.ndarray, **options: object) -> Path:
     return path
 
 
+def test_camera_raw_under_another_name_is_no_preview(tmp_path):
+    said = r"it is camera RAW.*give it its own suffix"
+    with pytest.raises(UserError, match=said):
+        read_samples(written(tmp_path, GREY16, extratags=[(50706, "B", 4, (1, 4, 0, 0), True)]))
+    with tifffile.TiffWriter(tmp_path / "b.tif") as file:
+        file.write(RGB8, subfiletype=1, subifds=1)
+        file.write(GREY16)
+    with pytest.raises(UserError, match=said):
+        read_samples(tmp_path / "b.tif")
+
+
 @pytest.mark.parametrize("orientation", range(1, 9))
 @pytest.mark.parametrize("image", [GREY8, GREY16, RGB8, RGB16, GREY16.astype(np.float32)])
 def test_files_that_ask_to_be_turned_lie_as_the_sensor_does(tmp_path, image, orientation):
