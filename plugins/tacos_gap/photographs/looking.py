@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
 
+from tacos_files.camera_images import has_one_value, read_image
 from tacos_framework import Fault, UserError
 from tacos_framework.files import read_bytes
 from tacos_gap.photographs.given import Given
@@ -89,16 +90,16 @@ def _of_other_size(own_px: tuple[int, int], most_px: tuple[int, int]) -> str:
 
 
 def _copies(pictures: Sequence[Picture]) -> dict[Picture, Picture]:
-    """Pictures that another is a copy of, by the copy; darks without noise may well be alike."""
+    """Pictures that another is a copy of, by the copy; frames without noise may well be alike."""
     first: dict[tuple[int, bytes], Picture] = {}
     copies: dict[Picture, Picture] = {}
     sizes = Counter(picture.path.stat().st_size for picture in pictures)
     for picture in pictures:
         size = picture.path.stat().st_size
-        if picture.shown.kind == "dark" or sizes[size] == 1:
+        if sizes[size] == 1:
             continue
         digest = sha256(read_bytes(picture.path, "image_mb")).digest()
         original = first.setdefault((size, digest), picture)
-        if original is not picture:
+        if original is not picture and not has_one_value(read_image(picture.path, picture.name)):
             copies[picture] = original
     return copies

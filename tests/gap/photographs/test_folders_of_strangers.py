@@ -285,11 +285,18 @@ def test_a_name_may_hold_a_digit_that_is_no_decimal(tmp_path):
     assert [entry["kind"] for entry in found.entries] == ["flat"]
 
 
-def test_a_copy_is_no_second_frame(tmp_path):
-    shutil.copy(taken(tmp_path / "in/a.png", 120), tmp_path / "in/a (1).png")
+@pytest.mark.parametrize("level_dn", [120, 8])
+def test_a_copy_is_no_second_frame(tmp_path, level_dn):
+    shutil.copy(taken(tmp_path / "in/a.png", level_dn), tmp_path / "in/a (1).png")
     found = import_photographs([tmp_path / "in"], tmp_path / "out")
     assert "a.png is left out: it is the same, byte by byte, as a (1).png." in found.doubts
     assert read_captures(tmp_path / "out").captures[0].frames == 1
+
+
+def test_darks_without_noise_are_no_copies(tmp_path):
+    for name in ("a.png", "b.png"):
+        taken(tmp_path / "in" / name, 0, 0.0)
+    assert len(import_photographs([tmp_path / "in"], tmp_path / "out").entries[0]["real"]) == 2
 
 
 def test_names_of_other_alphabets_can_be_read_and_printed(tmp_path, capsys):
