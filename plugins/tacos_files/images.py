@@ -64,6 +64,7 @@ def decode_samples(content: bytes, where: str, name: str) -> NDArray[Any]:
 def _decoded(content: bytes, header: ImageHeader, where: str, name: str) -> NDArray[Any]:
     import cv2
 
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)  # it warns of tags that it does not know
     try:
         image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
     except cv2.error as error:

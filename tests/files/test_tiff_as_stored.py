@@ -27,6 +27,11 @@ def written(folder: Path, image: np.ndarray, **options: object) -> Path:
     return path
 
 
+def test_tags_of_cameras_are_no_warnings(tmp_path, capfd):
+    read_samples(written(tmp_path, GREY16, extratags=[(33434, "2I", 1, (1, 100), True)]))
+    assert capfd.readouterr().err == ""
+
+
 def test_camera_raw_under_another_name_is_no_preview(tmp_path):
     said = r"it is camera RAW.*give it its own suffix"
     with pytest.raises(UserError, match=said):
