@@ -64,11 +64,13 @@ def decode_samples(content: bytes, where: str, name: str) -> NDArray[Any]:
 def _decoded(content: bytes, header: ImageHeader, where: str, name: str) -> NDArray[Any]:
     import cv2
 
-    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)  # it warns of tags that it does not know
+    before = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)  # it warns of unknown tags
     try:
         image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
     except cv2.error as error:
         raise UserError(_damaged(where, name, str(error).strip())) from error
+    finally:
+        cv2.utils.logging.setLogLevel(before)
     if image is None or image.shape[:2] != (header.height_px, header.width_px):
         raise UserError(_damaged(where, name, f"its samples are no whole {header.format}"))
     samples: NDArray[Any] = np.asarray(image)
