@@ -21,6 +21,7 @@ from tacos_framework.files.regular import named_file, read_bytes, too_large
 from tacos_framework.files.text import (
     CSV_SUFFIXES,
     decoded,
+    finite_number,
     parse_json,
     read_csv,
     read_json,
@@ -36,6 +37,7 @@ __all__ = [
     "Limits",
     "checksums_below",
     "decoded",
+    "finite_number",
     "limits",
     "made_folder",
     "named_file",

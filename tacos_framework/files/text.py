@@ -6,6 +6,7 @@ import codecs
 import csv
 import json
 import logging
+import math
 import re
 from io import StringIO
 from pathlib import Path
@@ -149,3 +150,12 @@ def _mark_between_columns(text: str) -> str:
 def _cell(cell: str, mark: str) -> str:
     cell = cell.strip()
     return cell.replace(",", ".") if mark == ";" and _DECIMAL_COMMA.fullmatch(cell) else cell
+
+
+def finite_number(cell: str) -> float | None:
+    """The number in a cell of a table; None where there is none, or it is not finite."""
+    try:
+        value = float(cell)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None

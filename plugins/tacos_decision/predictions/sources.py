@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import datetime
 from pathlib import Path
@@ -12,7 +11,7 @@ from tacos_decision.predictions.outcome import Measured
 from tacos_decision.predictions.prediction import PredictedValue, Prediction
 from tacos_decision.predictions.register import NEVER_MEASURED, ModelError
 from tacos_framework import Fault, UserError
-from tacos_framework.files import read_rows
+from tacos_framework.files import finite_number, read_rows
 
 _NORMAL_90 = 1.645
 """Half of a 90 % interval in standard errors."""
@@ -69,7 +68,7 @@ def measured_in(path: Path, result: Mapping[str, Any] | None) -> Measured:
     found: dict[tuple[str, str], float] = {}
     for number, row in rows:
         where = f"{path}:{number}"
-        value = _number(row.get("value", ""))
+        value = finite_number(row.get("value", ""))
         key = row.get("camera", ""), row.get("score", "")
         if value is None or not all(key):
             faults.append(
@@ -83,14 +82,6 @@ def measured_in(path: Path, result: Mapping[str, Any] | None) -> Measured:
     if faults:
         raise UserError(faults)
     return found
-
-
-def _number(cell: str) -> float | None:
-    try:
-        value = float(cell)
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
 
 
 def _of_test(result: Mapping[str, Any]) -> Iterator[Estimate]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tacos_framework import Fault, UserError
-from tacos_framework.files import read_rows
+from tacos_framework.files import finite_number, read_rows
 
 COLUMNS = ("maker", "model", "iso", "a", "b")
 _MOST_FAULTS = 20
@@ -75,16 +74,8 @@ def _gathered(path: Path, rows: Iterable[tuple[int, Mapping[str, str]]]) -> list
 
 def _faults_of(where: str, row: Mapping[str, str]) -> Iterator[Fault]:
     for column in ("iso", "a", "b"):
-        value = _number(row.get(column, ""))
+        value = finite_number(row.get(column, ""))
         if value is None:
             yield Fault(where, f"{column} is {row.get(column, '')!r}", "a finite number")
         elif column == "iso" and value <= 0:
             yield Fault(where, f"iso is {value:g}", "a gain above 0")
-
-
-def _number(text: str) -> float | None:
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None

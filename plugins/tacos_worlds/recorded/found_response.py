@@ -55,8 +55,7 @@ def response_of(
         return FoundResponse(linear_response(white_dn), "The samples are taken to be linear.")
     if wanted == "recorded" and file.is_file():
         try:
-            values = np.array(read_text(file).split(), np.float64)
-            return _borne_out(tabled_response(values, white_dn), fit, clipping_dn)
+            told = tabled_response(np.array(read_text(file).split(), np.float64), white_dn)
         except ValueError as error:
             faults.append(
                 Fault(
@@ -67,6 +66,7 @@ def response_of(
                 )
             )
             return None
+        return _borne_out(told, fit, clipping_dn)
     if len(fit) < 2:
         if not faults:
             faults.append(

@@ -132,7 +132,8 @@ def read_recording(
                 bad.add(each.exposure_ms)
     told = response_of(path, fit, bits, clipping_dn, response, faults, bad)
     if told is not None:
-        for fault, exposure_ms in faults_of_brightness(path, fit, told.response, bits):
+        stated = told.contradicted or told.response  # a mended one agrees with wrong exposures, too
+        for fault, exposure_ms in faults_of_brightness(path, fit, stated, bits):
             faults.append(fault)
             bad.add(exposure_ms)
     if entries and len(found) < fewest and not faults:
