@@ -25,8 +25,7 @@ from tacos_plugins.optimizers.genetic import Genetic
 from tacos_plugins.optimizers.random_search import RandomSearch
 from tacos_plugins.rigs.monocular import MonocularRig
 from tacos_plugins.tasks.obstacle_visibility import ObstacleVisibility
-
-MONOCULAR = {"focal_length_mm": 2.0, "sensor": {"width_px": 64, "height_px": 48, "pixel_um": 3.0}}
+from tests.testing.applied_suite import bound, faults_are_found
 
 
 class LeakyVignetting(Vignetting):
@@ -212,18 +211,7 @@ FAULTS = [
 ]
 
 
-def bound(suite, component):
-    """The suite of a component, as a plugin author would write it."""
-    return type("TestIt", (suite,), {"component": component, "variables": MONOCULAR})()
-
-
-@pytest.mark.parametrize(("suite", "component", "test"), FAULTS)
-def test_a_fault_is_found(suite, component, test):
-    bound_suite = bound(suite, component)
-    arguments = [bound_suite.make()] if suite is ExecutorConformance else []
-    name, _, parameter = test.removesuffix("]").partition("[")
-    with pytest.raises(AssertionError):
-        getattr(bound_suite, name)(*arguments, *([parameter] if parameter else []))
+test_a_fault_is_found = faults_are_found(FAULTS)
 
 
 def test_an_effect_that_changes_the_type_of_an_array_is_found():

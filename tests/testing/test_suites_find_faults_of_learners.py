@@ -14,7 +14,7 @@ from tacos_framework.testing import (
     ProcedureConformance,
     TrainableConformance,
 )
-from tests.testing.applied_suite import apply, apply_all
+from tests.testing.applied_suite import apply, faults_are_found, sound_ones_pass
 from tests.toy_plugin import Learner
 
 # tasks that learn ---------------------------------------------------------------------------------------
@@ -125,10 +125,7 @@ SOUND = [
 ]
 
 
-@pytest.mark.parametrize(("suite", "component", "test"), FAULTS)
-def test_a_fault_is_found(suite: type[Any], component: type[Any], test: str, tmp_path: Path) -> None:
-    with pytest.raises(AssertionError):
-        apply(suite, component, test, tmp_path)
+test_a_fault_is_found = faults_are_found(FAULTS)
 
 
 def test_results_that_are_no_json_are_found(tmp_path: Path) -> None:
@@ -136,8 +133,4 @@ def test_results_that_are_no_json_are_found(tmp_path: Path) -> None:
         apply(ProcedureConformance, NanProcedure, "test_its_result_is_json_with_a_summary", tmp_path)
 
 
-@pytest.mark.parametrize(("suite", "component"), SOUND)
-def test_sound_components_pass_what_the_faulty_ones_fail(
-    suite: type[Any], component: type[Any], tmp_path: Path
-) -> None:
-    apply_all(suite, component, {test for kind, _, test in FAULTS if kind is suite}, tmp_path)
+test_sound_components_pass_what_the_faulty_ones_fail = sound_ones_pass(SOUND, FAULTS)

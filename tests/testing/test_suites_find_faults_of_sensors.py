@@ -9,6 +9,7 @@ import pytest
 
 from tacos_framework.testing import SensorConformance
 from tacos_plugins.sensors.affine_noise import AffineNoise
+from tests.testing.applied_suite import bound, faults_are_found
 
 
 class UnseededSensor(AffineNoise):
@@ -81,15 +82,7 @@ FAULTS = [
 ]
 
 
-def bound(component: type[AffineNoise]) -> SensorConformance:
-    """The suite of a sensor, as a plugin author would write it."""
-    return type("TestIt", (SensorConformance,), {"component": component})()
-
-
-@pytest.mark.parametrize(("component", "test"), FAULTS)
-def test_a_fault_is_found(component, test):
-    with pytest.raises(AssertionError):
-        getattr(bound(component), test)()
+test_a_fault_is_found = faults_are_found([(SensorConformance, *fault) for fault in FAULTS])
 
 
 @pytest.mark.parametrize(
@@ -97,6 +90,6 @@ def test_a_fault_is_found(component, test):
     [(UnderstatingSensor, "a variance of"), (BiasedSensor, "on average"), (DeafSensor, "a variance of")],
 )
 def test_a_sensor_whose_draws_are_not_what_it_says_is_found(component, said):
-    suite = bound(component)
+    suite = bound(SensorConformance, component)
     with pytest.raises(AssertionError, match=said):
         suite.test_draws_have_the_mean_and_the_variance_it_says(binning=3.0, photon_scale=2.5)

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
-import pytest
 
 from tacos_framework.settings import Settings
 from tacos_framework.testing import RendererConformance, SceneConformance
 from tacos_framework.testing.samples import sample_episode
 from tacos_framework.values import Crossing
 from tacos_plugins.renderers.analytic import AnalyticRenderer
-from tests.testing.applied_suite import apply, apply_all
+from tests.testing.applied_suite import faults_are_found, sound_ones_pass
 
 
 class SoundScene:
@@ -132,14 +129,5 @@ SOUND = [
 ]
 
 
-@pytest.mark.parametrize(("suite", "component", "test"), FAULTS)
-def test_a_fault_is_found(suite: type[Any], component: type[Any], test: str, tmp_path: Path) -> None:
-    with pytest.raises(AssertionError):
-        apply(suite, component, test, tmp_path)
-
-
-@pytest.mark.parametrize(("suite", "component"), SOUND)
-def test_sound_components_pass_what_the_faulty_ones_fail(
-    suite: type[Any], component: type[Any], tmp_path: Path
-) -> None:
-    apply_all(suite, component, {test for kind, _, test in FAULTS if kind is suite}, tmp_path)
+test_a_fault_is_found = faults_are_found(FAULTS)
+test_sound_components_pass_what_the_faulty_ones_fail = sound_ones_pass(SOUND, FAULTS)
