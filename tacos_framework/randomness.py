@@ -18,8 +18,6 @@ def generator(seed: int, *names: str | int) -> np.random.Generator:
     `seed`: the study's seed, 0 or above. `names`: what the numbers are for, from the general to the
     particular. The word ``"3"`` and the number 3 are different names.
 
-    Notes
-    -----
     The names are hashed (BLAKE2b over their JSON list) into the spawn key of a `numpy.random.SeedSequence`,
     which feeds a PCG64.
 

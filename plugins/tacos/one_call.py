@@ -22,19 +22,11 @@ def design(
 ) -> StudyResult:
     """Run a study, and read what came out.
 
-    Parameters
-    ----------
-    recipe
-        Path, name of a shipped recipe, or what its file would hold.
-    out
-        The results folder: new or empty, or with `resume` that of a study to go on with.
-    sets
-        Dotted keys and the values to put there, as ``--set`` does.
+    - `recipe`: path, name of a shipped recipe, or what its file would hold.
+    - `out`: the results folder: new or empty, or with `resume` that of a study to go on with.
+    - `sets`: dotted keys and the values to put there, as ``--set`` does.
 
-    Raises
-    ------
-    UserError
-        When the recipe or the folder do not allow it; nothing has been computed then.
+    Raises `UserError` when the recipe or the folder do not allow it; nothing has been computed then.
     """
     from tacos_decision import read_result
 
@@ -47,19 +39,11 @@ def diagnose(
 ) -> DiagnosisResult:
     """Diagnose a folder of captures, and read what was found.
 
-    Parameters
-    ----------
-    captures
-        A folder with ``captures.yaml``, as ``tacos captures import`` writes it.
-    out
-        The results folder: new or empty.
-    sets
-        Settings of the procedure, as ``--set`` takes them.
+    - `captures`: a folder with ``captures.yaml``, as ``tacos captures import`` writes it.
+    - `out`: the results folder: new or empty.
+    - `sets`: settings of the procedure, as ``--set`` takes them.
 
-    Raises
-    ------
-    UserError
-        When the captures or the folder do not allow it.
+    Raises `UserError` when the captures or the folder do not allow it.
     """
     from tacos_gap.report.result_tables import read_diagnosis
 

@@ -18,11 +18,9 @@ from tacos_framework import StudyRecord, UserError, in_one_thread
 def analyse(record: StudyRecord) -> dict[str, Any]:
     """Rank every part, find the equals, the tolerances, what matters, and the front.
 
-    Returns
-    -------
-    ``ranking``, ``ranking_left_out``, ``equivalent``, ``importance``, and ``front`` where the recipe has
-    objectives. Nothing where the study itself names no winner; ``ranking_absent`` says why where the model
-    of the scores allows no conclusion.
+    Returns: ``ranking``, ``ranking_left_out``, ``equivalent``, ``importance``, and ``front`` where the recipe
+    has objectives. Nothing where the study itself names no winner; ``ranking_absent`` says why where the
+    model of the scores allows no conclusion.
     """
     if record.degenerate is not None:
         return {}

@@ -34,16 +34,10 @@ RULE = (
 def equivalence(model: CameraModel, pool: Pool, found: BestOfParts, fitness: Fitness) -> dict[str, Any]:
     """The key ``equivalent``.
 
-    Parameters
-    ----------
-    model
-        What is known of the fitness.
-    pool
-        The cameras of the design space.
-    found
-        Cameras that keep all constraints, and the best of them.
-    fitness
-        Its margin is the difference that does not matter.
+    - `model`: what is known of the fitness.
+    - `pool`: the cameras of the design space.
+    - `found`: cameras that keep all constraints, and the best of them.
+    - `fitness`: its margin is the difference that does not matter.
     """
     mean = model.posterior_of(found.pool).mean
     best = int(np.argmax(mean))

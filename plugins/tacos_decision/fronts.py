@@ -37,10 +37,7 @@ def front(model: CameraModel, pool: Pool) -> tuple[dict[str, Any] | None, Camera
 
     None and the same model where the recipe has no objectives.
 
-    Raises
-    ------
-    UserError
-        Without pymoo, which the extra ``fronts`` installs.
+    Raises `UserError` without pymoo, which the extra ``fronts`` installs.
     """
     objectives = model.record.objectives
     if not objectives:

@@ -56,19 +56,12 @@ def sobol_indices(
 ) -> tuple[Array, Array]:
     """First-order and total indices of a function of independent variables.
 
-    Parameters
-    ----------
-    function
-        Of (rows, dimensions) numbers in 0..1, each evenly distributed; gives (rows,) values.
-    dimensions
-        How many variables it has.
-    samples
-        Rows of each of Saltelli's two matrices, a power of two.
+    - `function`: of (rows, dimensions) numbers in 0..1, each evenly distributed; gives (rows,) values.
+    - `dimensions`: how many variables it has.
+    - `samples`: rows of each of Saltelli's two matrices, a power of two.
 
-    Returns
-    -------
-    Two arrays (dimensions,): the share of the variance that goes once a variable is known, and the share that
-    stays while it alone is not. Zeros where the function is constant.
+    Returns: two arrays (dimensions,): the share of the variance that goes once a variable is known, and the
+    share that stays while it alone is not. Zeros where the function is constant.
     """
     sample = qmc.Sobol(2 * dimensions, scramble=True, seed=np.random.default_rng(0)).random(samples)
     a, b = sample[:, :dimensions], sample[:, dimensions:]

@@ -35,16 +35,11 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class CameraModel:
-    """The fitness of any camera of the study, with what is not known of it.
-
-    Parameters
-    ----------
-    box
-        One Gaussian process for each score, of everything the study scored.
-    """
+    """The fitness of any camera of the study, with what is not known of it."""
 
     record: StudyRecord
     box: GreyBox
+    """One Gaussian process for each score, of everything the study scored."""
 
     @classmethod
     def fit(cls, record: StudyRecord) -> CameraModel:

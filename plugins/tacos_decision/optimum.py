@@ -29,22 +29,15 @@ NEIGHBOURS = 12
 
 @dataclass(frozen=True)
 class BestOfParts:
-    """The best camera of each combination of parts.
-
-    Parameters
-    ----------
-    cameras
-        Its values, by the names of the parts; without combinations of which no camera keeps all constraints.
-    impossible
-        By how much the nearest camera of the other combinations breaks each constraint.
-    pool
-        Every feasible camera that was looked at, the cameras the study scored among them.
-    """
+    """The best camera of each combination of parts."""
 
     cameras: Mapping[tuple[str, ...], Values]
+    """Values by the names of the parts; without combinations of which no camera keeps all constraints."""
     means: Mapping[tuple[str, ...], float]
     impossible: Mapping[tuple[str, ...], Mapping[str, float]]
+    """By how much the nearest camera of the other combinations breaks each constraint."""
     pool: Sequence[Point]
+    """Every feasible camera that was looked at, the cameras the study scored among them."""
 
     @property
     def best(self) -> Values:

@@ -49,12 +49,8 @@ class Pool:
     def camera(self, parts: Parts, unit: NDArray[np.float64]) -> dict[str, Any]:
         """Plain values of the camera of these parts.
 
-        Parameters
-        ----------
-        parts
-            One for each catalog.
-        unit
-            (dimensions,) float64 in 0..1, of each other gene its place between its bounds.
+        `parts`: one for each catalog. `unit`: (dimensions,) float64 in 0..1, of each other gene its place
+        between its bounds.
         """
         own, rest = iter(parts), iter(unit)
         genes: list[float] = []

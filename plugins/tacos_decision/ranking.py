@@ -22,17 +22,11 @@ SCORED_AGAIN = ("final", "test", "analysis")
 def ranking(model: CameraModel, pool: Pool, found: BestOfParts, margin: float) -> list[dict[str, Any]]:
     """The key ``ranking``: parts, or where there is no catalog the cameras of the study, best first.
 
-    Parameters
-    ----------
-    model
-        What is known of the fitness.
-    pool
-        The cameras of the design space.
-    found
-        The best camera of each combination of parts.
-    margin
-        A camera of the same parts that was scored again stands for them where it is no further behind the
-        best optics that were found for them [fitness].
+    - `model`: what is known of the fitness.
+    - `pool`: the cameras of the design space.
+    - `found`: the best camera of each combination of parts.
+    - `margin`: a camera of the same parts that was scored again stands for them where it is no further behind
+      the best optics that were found for them [fitness].
     """
     products = {
         product.name: (product.camera, at_its_best(model, product, product.camera, margin))

@@ -20,17 +20,12 @@ class StudyResult:
     """Outcome of a study, as tables.
 
     Each method gives a data frame of pandas (the extra ``frames``); `rows` gives the same as plain values.
-
-    Parameters
-    ----------
-    data
-        All of ``result.json``; ``docs/reference/results.md`` lists its keys.
-    searched
-        The lines of ``generations.jsonl`` and of ``products.jsonl``.
     """
 
     data: Mapping[str, Any]
+    """All of ``result.json``; ``docs/reference/results.md`` lists its keys."""
     searched: Sequence[Mapping[str, Any]] = ()
+    """The lines of ``generations.jsonl`` and of ``products.jsonl``."""
 
     @property
     def decision(self) -> Mapping[str, Any] | None:
@@ -77,20 +72,14 @@ class StudyResult:
     def rows(self, table: str) -> list[Row]:
         """A table, named as its method, as plain values.
 
-        Raises
-        ------
-        UserError
-            When there is no such table.
+        Raises `UserError` when there is no such table.
         """
         return TABLES.rows(self, table)
 
     def frame(self, table: str) -> pandas.DataFrame:
         """A table, named as its method, as a data frame.
 
-        Raises
-        ------
-        UserError
-            When there is no such table, or pandas is not installed (the extra ``frames``).
+        Raises `UserError` when there is no such table, or pandas is not installed (the extra ``frames``).
         """
         return TABLES.frame(self, table)
 
@@ -115,10 +104,7 @@ class StudyResult:
 def read_result(folder: str | Path) -> StudyResult:
     """The result of a study, from its results folder.
 
-    Raises
-    ------
-    UserError
-        When there is no readable ``result.json`` of a study.
+    Raises `UserError` when there is no readable ``result.json`` of a study.
     """
     from tacos_framework.store import read_result as read  # with numpy, which listing plugins does without
     from tacos_framework.store import read_run_lines

@@ -54,10 +54,7 @@ def read_npy(path: Path, *, where: str | None = None, within: Path | None = None
 
     Parameters are those of `tacos_framework.files.regular.read_bytes`.
 
-    Raises
-    ------
-    UserError
-        When it cannot be read, holds no numbers, or fewer or more than its header says.
+    Raises `UserError` when it cannot be read, holds no numbers, or fewer or more than its header says.
     """
     content = read_bytes(path, "array_mb", where=where, within=within)
     return _array(content, str(path) if where is None else where, path.name, _NUMBERS)
@@ -66,10 +63,7 @@ def read_npy(path: Path, *, where: str | None = None, within: Path | None = None
 def read_npz(path: Path, *, where: str | None = None) -> dict[str, NDArray[Any]]:
     """The arrays of numbers or text of an ``.npz`` file by name.
 
-    Raises
-    ------
-    UserError
-        As for `read_npy`, and when the archive is damaged or unpacks to more than the limit.
+    Raises `UserError` as for `read_npy`, and when the archive is damaged or unpacks to more than the limit.
     """
     name = str(path) if where is None else where
     content = read_bytes(path, "array_mb", where=where)

@@ -86,10 +86,8 @@ def read_frame(path: Path, where: str, within: Path | None = None) -> NDArray[An
 
     Parameters are those of `read_image`. Whole numbers of other types are taken where 16 bits hold them.
 
-    Raises
-    ------
-    UserError
-        As for `read_image`, and for files whose coding changes noise, or that hold other numbers.
+    Raises `UserError` as for `read_image`, and for files whose coding changes noise, or that hold other
+    numbers.
     """
     image = read_image(path, where, within, lossless=True)
     if image.dtype == np.uint8:
@@ -118,21 +116,12 @@ def read_frame(path: Path, where: str, within: Path | None = None) -> NDArray[An
 def read_image(path: Path, where: str, within: Path | None = None, *, lossless: bool = False) -> NDArray[Any]:
     """An image as stored: (H, W, C) with C = 1 or 3 in the order R, G, B.
 
-    Parameters
-    ----------
-    path
-        ``.npy``, a camera's RAW file (needs rawpy), PNG, TIFF, JPEG, WebP, BMP, PGM or PPM.
-    where
-        What names the file, for messages.
-    within
-        The folder it must lie in, links followed; None for any.
-    lossless
-        Refuse JPEG and WebP, for what is measured of noise.
+    - `path`: ``.npy``, a camera's RAW file (needs rawpy), PNG, TIFF, JPEG, WebP, BMP, PGM or PPM.
+    - `where`: what names the file, for messages.
+    - `within`: the folder it must lie in, links followed; None for any.
+    - `lossless`: refuse JPEG and WebP, for what is measured of noise.
 
-    Raises
-    ------
-    UserError
-        When it is not there, cannot be read, or holds what is no image.
+    Raises `UserError` when it is not there, cannot be read, or holds what is no image.
     """
     if path.suffix.lower() == ".npy":
         image = read_array(path, where, within)
@@ -172,10 +161,8 @@ def read_array(path: Path, where: str, within: Path | None = None) -> NDArray[An
 def opened_raw(path: Path, where: str, within: Path | None = None) -> Iterator[Any]:
     """A camera's RAW file as rawpy has it, its size known; it may be read inside alone.
 
-    Raises
-    ------
-    UserError
-        When rawpy is not installed, or the file is too large, or LibRaw cannot read it, now or inside.
+    Raises `UserError` when rawpy is not installed, or the file is too large, or LibRaw cannot read it, now or
+    inside.
     """
     try:
         import rawpy

@@ -40,22 +40,15 @@ class OtherFormat(HeaderError):
 
 @dataclass(frozen=True)
 class ImageHeader:
-    """Size, depth and channels of an image, by its header.
-
-    Parameters
-    ----------
-    format
-        ``PNG``, ``JPEG``, ``TIFF``, ``WebP``, ``BMP``, ``PNM``, ``DDS``, ``GIF`` or ``TGA``.
-    width_px, height_px
-        Size [px].
-    sample_bytes
-        Bytes of all samples of a pixel once decoded.
-    """
+    """Size, depth and channels of an image, by its header."""
 
     format: str
+    """``PNG``, ``JPEG``, ``TIFF``, ``WebP``, ``BMP``, ``PNM``, ``DDS``, ``GIF`` or ``TGA``."""
     width_px: int
     height_px: int
+    """Size [px]."""
     sample_bytes: int
+    """Bytes of all samples of a pixel once decoded."""
 
     @property
     def decoded_bytes(self) -> int:
@@ -66,15 +59,9 @@ class ImageHeader:
 def read_header(content: bytes, *, of_texture: bool = False) -> ImageHeader:
     """The header of an image file that is whole.
 
-    Parameters
-    ----------
-    of_texture
-        True if the formats that programs of models write count, too.
+    `of_texture`: true if the formats that programs of models write count, too.
 
-    Raises
-    ------
-    HeaderError
-        When the format is not known, the header broken, or the file cut short; says which.
+    Raises `HeaderError` when the format is not known, the header broken, or the file cut short; says which.
     """
     for start, reader in _READERS + (_OF_TEXTURES if of_texture else ()):
         if content.startswith(start):
@@ -192,10 +179,7 @@ def _tiff(content: bytes) -> ImageHeader:
 def tiff_tags(content: bytes, directory: int | None = None) -> Iterator[tuple[int, tuple[int, ...]]]:
     """Whole numbers by tag, of an image of a TIFF file; a tag that comes twice has all its values.
 
-    Parameters
-    ----------
-    directory
-        Where the directory of the image begins; the first one's, when left out.
+    `directory`: where the directory of the image begins; the first one's, when left out.
     """
     order = "<" if content[:2] == b"II" else ">"
     (version,) = struct.unpack_from(order + "H", content, 2)

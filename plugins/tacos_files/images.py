@@ -32,10 +32,7 @@ def read_samples(path: Path, *, where: str | None = None, within: Path | None = 
 
     Parameters are those of `tacos_framework.files.regular.read_bytes`.
 
-    Raises
-    ------
-    UserError
-        When it cannot be read, is no image, cut short, damaged or too large.
+    Raises `UserError` when it cannot be read, is no image, cut short, damaged or too large.
     """
     name = str(path) if where is None else where
     return decode_samples(read_bytes(path, "image_mb", where=where, within=within), name, path.name)
@@ -44,10 +41,7 @@ def read_samples(path: Path, *, where: str | None = None, within: Path | None = 
 def decode_samples(content: bytes, where: str, name: str) -> NDArray[Any]:
     """The samples of an image file whose bytes are at hand, as `read_samples` gives them.
 
-    Parameters
-    ----------
-    where, name
-        What the fault is of, and what to call the file in it.
+    `where`, `name`: what the fault is of, and what to call the file in it.
     """
     header = checked_header(content, where, name)
     if header.format != "TIFF":
@@ -95,10 +89,7 @@ def decode_picture(content: bytes, where: str, name: str) -> Image:
 def checked_header(content: bytes, where: str, name: str, *, of_texture: bool = False) -> ImageHeader:
     """The header of an image that is whole and not too large; `of_texture` as in `read_header`.
 
-    Raises
-    ------
-    UserError
-        When it is neither.
+    Raises `UserError` when it is neither.
     """
     try:
         header = read_header(content, of_texture=of_texture)

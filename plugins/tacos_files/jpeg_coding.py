@@ -19,21 +19,14 @@ _LUMINANCE, _CHROMINANCE = 0, 1  # numbers of the tables by which brightness and
 
 
 class JpegCoding(NamedTuple):
-    """The coding of a JPEG file.
-
-    Parameters
-    ----------
-    quality
-        As libjpeg counts it; the nearest where the camera has tables of its own.
-    subsampling
-        Of the colours: 4:4:4, 4:2:2 or 4:2:0; 4:4:4 where it has none, or another.
-    chroma_offset
-        Quality of the colours, likewise the nearest, less that of brightness; 0 where there are none.
-    """
+    """The coding of a JPEG file."""
 
     quality: int
+    """As libjpeg counts it; the nearest where the camera has tables of its own."""
     subsampling: str
+    """Of the colours: 4:4:4, 4:2:2 or 4:2:0; 4:4:4 where it has none, or another."""
     chroma_offset: int
+    """Quality of the colours, likewise the nearest, less that of brightness; 0 where there are none."""
 
 
 def jpeg_coding(path: Path, *, where: str | None = None, within: Path | None = None) -> JpegCoding | None:
@@ -41,10 +34,7 @@ def jpeg_coding(path: Path, *, where: str | None = None, within: Path | None = N
 
     Parameters are those of `tacos_framework.files.regular.read_bytes`.
 
-    Raises
-    ------
-    UserError
-        When it cannot be read or is too large.
+    Raises `UserError` when it cannot be read or is too large.
     """
     if path.suffix.lower() not in SUFFIXES:
         return None

@@ -39,27 +39,19 @@ _LETTERS = {_SHORT: "H", _LONG: "I", _LONG8: "Q"}
 
 @dataclass(frozen=True)
 class TiffAsStored:
-    """Planes of a TIFF to decode, as they are stored.
-
-    Parameters
-    ----------
-    planes
-        Files: the whole one, or one per plane of samples.
-    shift
-        Bits by which a decoder fills samples up, to be taken back.
-    """
+    """Planes of a TIFF to decode, as they are stored."""
 
     planes: tuple[bytes, ...]
+    """Files: the whole one, or one per plane of samples."""
     shift: int
+    """Bits by which a decoder fills samples up, to be taken back."""
 
 
 def tiff_as_stored(content: bytes) -> TiffAsStored:
     """Describe the first image of a TIFF file that is whole, so that it decodes as stored.
 
-    Raises
-    ------
-    HeaderError
-        When its samples are not those of a picture of one or three channels, or when it holds several images.
+    Raises `HeaderError` when its samples are not those of a picture of one or three channels, or when it
+    holds several images.
     """
     tags = dict(tiff_tags(content))
 

@@ -14,10 +14,7 @@ from tacos_framework import Fault, UserError
 class Video:
     """A video, its frames read in their order.
 
-    Raises
-    ------
-    UserError
-        When it is no regular file, or none of its frames can be read.
+    Raises `UserError` when it is no regular file, or none of its frames can be read.
     """
 
     def __init__(self, path: Path) -> None:
@@ -37,10 +34,7 @@ class Video:
     def next_grey(self) -> NDArray[np.uint8]:
         """The next (H, W) frame in grey.
 
-        Raises
-        ------
-        UserError
-            When it cannot be decoded.
+        Raises `UserError` when it cannot be decoded.
         """
         self._opened = self._opened or cv2.VideoCapture(str(self._path))
         taken, image = self._opened.read()

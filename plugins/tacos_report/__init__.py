@@ -26,20 +26,11 @@ __all__ = ["write_report"]
 def write_report(folder: Path) -> Path:
     """Read the results folder of a study and write ``report.html`` into it.
 
-    Parameters
-    ----------
-    folder
-        A folder a study has written; it needs at least ``result.json``.
+    `folder`: a folder a study has written; it needs at least ``result.json``.
 
-    Returns
-    -------
-    Path
-        The report, one self-contained file.
+    Returns: the report, one self-contained file.
 
-    Raises
-    ------
-    UserError
-        Where the folder holds no readable ``result.json``.
+    Raises `UserError` where the folder holds no readable ``result.json``.
     """
     from tacos_report.page import write_page
     from tacos_report.study_data import read_study

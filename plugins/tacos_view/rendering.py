@@ -22,30 +22,20 @@ MOST_SHOWN = 12
 
 @dataclass(frozen=True, eq=False)
 class CameraFrames:
-    """Images and truth of one camera. Row 0 of every array is the top of the image.
-
-    Parameters
-    ----------
-    camera
-        The camera; its `intrinsics` are those of these images.
-    image
-        (N, H, W, C) uint8 or uint16; unless `coded` proportional to light above `black_level_dn` [DN].
-    depth_m
-        (N, H, W) float32 distance along the optical axis, infinite where nothing is [m].
-    object_id
-        (N, H, W) int32 index into `World.objects`; 0 is the background.
-    world_from_camera
-        (N, 4, 4) float64 poses in the middle of the exposure; x right, y down, z forward [m].
-    luminance_cd_m2
-        (N, H, W, 3) float32 light before the sensor [cd/m2].
-    """
+    """Images and truth of one camera. Row 0 of every array is the top of the image."""
 
     camera: Camera
+    """The camera; its `intrinsics` are those of these images."""
     image: NDArray[np.unsignedinteger]
+    """(N, H, W, C) uint8 or uint16; unless `coded` proportional to light above `black_level_dn` [DN]."""
     depth_m: NDArray[np.float32]
+    """(N, H, W) float32 distance along the optical axis, infinite where nothing is [m]."""
     object_id: NDArray[np.int32]
+    """(N, H, W) int32 index into `World.objects`; 0 is the background."""
     world_from_camera: NDArray[np.float64]
+    """(N, 4, 4) float64 poses in the middle of the exposure; x right, y down, z forward [m]."""
     luminance_cd_m2: NDArray[np.float32]
+    """(N, H, W, 3) float32 light before the sensor [cd/m2]."""
 
     def __repr__(self) -> str:
         camera = self.camera
@@ -57,35 +47,24 @@ class CameraFrames:
 
 @dataclass(frozen=True, eq=False)
 class Rendering:
-    """Frames of a rig in a world; arrays of the first camera are its own attributes.
-
-    Parameters
-    ----------
-    title
-        Which camera it is.
-    cameras
-        What each camera took, by name, in the rig's order.
-    time_s
-        (N,) middle of each exposure [s].
-    walk
-        (N,) int32: frames with equal numbers follow each other continuously.
-    world
-        What was looked at: its parts, lights, objects and class names.
-    black_level_dn, white_level_dn
-        Pedestal and full scale of the images [DN].
-    coded
-        True if they are coded for a display, rather than linear.
-    """
+    """Frames of a rig in a world; arrays of the first camera are its own attributes."""
 
     title: str
+    """Which camera it is."""
     cameras: Mapping[str, CameraFrames]
+    """What each camera took, by name, in the rig's order."""
     time_s: NDArray[np.float64]
+    """(N,) middle of each exposure [s]."""
     walk: NDArray[np.int32]
+    """(N,) int32: frames with equal numbers follow each other continuously."""
     world: World
+    """What was looked at: its parts, lights, objects and class names."""
     trajectory: Trajectory
     black_level_dn: float
     white_level_dn: float
+    """Pedestal and full scale of the images [DN]."""
     coded: bool = False
+    """True if they are coded for a display, rather than linear."""
 
     @property
     def first(self) -> CameraFrames:
@@ -186,28 +165,18 @@ def render(
 ) -> Rendering:
     """Frames of a camera in the scene of a recipe, noise and effects included.
 
-    Parameters
-    ----------
-    recipe
-        Path or name of a recipe, a recipe, the results folder of a study, or a scene: ``"scene.indoor"``.
-    camera
-        Name of a product, or of a camera of the run; values such as ``{"focal_length_mm": 4, "sensor":
-        "IMX296"}``; or None: the designed camera of a run, else the first product the recipe compares with.
-    seed
-        Which world and trip; the recipe's seed if None.
-    spread
-        Take them from all over the trip, rather than one after the other.
-    sets
-        Dotted keys of the recipe and the values to put there, as in ``{"rig.binning": 8}``.
-    effects
-        Effects to add, as in ``[{"use": "effect.vignetting", "k1": -0.4}]``.
-    plugins
-        What is installed; it is looked up if None.
+    - `recipe`: path or name of a recipe, a recipe, the results folder of a study, or a scene:
+      ``"scene.indoor"``.
+    - `camera`: name of a product, or of a camera of the run; values such as ``{"focal_length_mm": 4,
+      "sensor": "IMX296"}``; or None: the designed camera of a run, else the first product the recipe compares
+      with.
+    - `seed`: which world and trip; the recipe's seed if None.
+    - `spread`: take them from all over the trip, rather than one after the other.
+    - `sets`: dotted keys of the recipe and the values to put there, as in ``{"rig.binning": 8}``.
+    - `effects`: effects to add, as in ``[{"use": "effect.vignetting", "k1": -0.4}]``.
+    - `plugins`: what is installed; it is looked up if None.
 
-    Raises
-    ------
-    UserError
-        With all that is wrong with the recipe, or with the camera.
+    Raises `UserError` with all that is wrong with the recipe, or with the camera.
     """
     setup = set_up(recipe, camera, sets=sets, effects=effects, plugins=plugins)
     taken = setup.along_the_trip(frames, seed=seed) if spread else setup.frames(frames, seed=seed)

@@ -31,14 +31,9 @@ class Controller(Protocol):
     ) -> Exposure:
         """The exposure of the next frame.
 
-        Parameters
-        ----------
-        frame_dn
-            (H, W, C) frame as the sensor's file has it, C = 1 or 3, effects on files included [DN].
-        exposure
-            What it was taken with.
-        context
-            Black and white level of the file [DN], and the controller's memory.
+        - `frame_dn`: (H, W, C) frame as the sensor's file has it, C = 1 or 3, effects on files included [DN].
+        - `exposure`: what it was taken with.
+        - `context`: black and white level of the file [DN], and the controller's memory.
         """
         ...
 

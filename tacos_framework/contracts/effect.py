@@ -64,23 +64,15 @@ class Effect(Protocol):
     ) -> NDArray[Any]:
         """Samples with the effect; at the neutral values the very array that was given.
 
-        Parameters
-        ----------
-        samples
-            (N, H, W, C) float32 or float64 frames of one camera, C = 1 or 3; left as they are. For the
-            stages scene, optics and exposure light in any linear unit, 0 is darkness; for pixel and readout
-            samples with the pedestal, neither rounded nor clipped [DN]; for isp and codec the values of the
-            file [DN]. Frames come one by one, N = 1, but for effects that a caller applies himself.
-        geometry
-            Where the pixels lie on the sensor.
-        context
-            What else is known; `ContextMissing` is raised where it is not enough for these settings.
-        rng
-            Draws what is random. Every frame has a generator of its own.
+        - `samples`: (N, H, W, C) float32 or float64 frames of one camera, C = 1 or 3; left as they are. For
+          the stages scene, optics and exposure light in any linear unit, 0 is darkness; for pixel and readout
+          samples with the pedestal, neither rounded nor clipped [DN]; for isp and codec the values of the
+          file [DN]. Frames come one by one, N = 1, but for effects that a caller applies himself.
+        - `geometry`: where the pixels lie on the sensor.
+        - `context`: what else is known; `ContextMissing` is raised where it is not enough for these settings.
+        - `rng`: draws what is random. Every frame has a generator of its own.
 
-        Returns
-        -------
-        Same shape and dtype.
+        Returns: same shape and dtype.
         """
         ...
 

@@ -14,21 +14,14 @@ from tacos_framework.values import ImageContext, ImageGeometry
 
 @dataclass(frozen=True)
 class FileCoding:
-    """Coding of lossy files, as they state it.
-
-    Parameters
-    ----------
-    quality
-        As libjpeg counts it.
-    subsampling
-        Of the colours: 4:4:4, 4:2:2 or 4:2:0.
-    chroma_offset
-        Quality of the colours less `quality`.
-    """
+    """Coding of lossy files, as they state it."""
 
     quality: int
+    """As libjpeg counts it."""
     subsampling: str
+    """Of the colours: 4:4:4, 4:2:2 or 4:2:0."""
     chroma_offset: int = 0
+    """Quality of the colours less `quality`."""
 
 
 class ObservedCapture(Protocol):
@@ -96,40 +89,26 @@ Captures = Sequence[ObservedCapture]
 
 @dataclass(frozen=True)
 class LookAlike:
-    """An effect that some captures cannot tell from the one that declares it.
-
-    Parameters
-    ----------
-    effect
-        Name of the other effect, without ``effect.``.
-    holds
-        Whether these captures leave the two alike.
-    capture
-        The kind of capture that would tell them apart.
-    why
-        What that capture shows, in a few words.
-    """
+    """An effect that some captures cannot tell from the one that declares it."""
 
     effect: str
+    """Name of the other effect, without ``effect.``."""
     holds: Callable[[Captures], bool]
+    """True if these captures leave the two alike."""
     capture: str
+    """The kind of capture that would tell them apart."""
     why: str
+    """What that capture shows, in a few words."""
 
 
 @dataclass(frozen=True)
 class ShownBy:
-    """Captures that it takes to speak of an effect.
-
-    Parameters
-    ----------
-    met
-        Whether captures will do.
-    remedy
-        What to photograph: ``kind dark: frames with the cap on``.
-    """
+    """Captures that it takes to speak of an effect."""
 
     met: Callable[[Captures], bool]
+    """True if captures will do."""
     remedy: str
+    """What to photograph: ``kind dark: frames with the cap on``."""
 
 
 SURE = 3.0
@@ -138,22 +117,15 @@ SURE = 3.0
 
 @dataclass(frozen=True)
 class Estimate:
-    """A closed-form estimate of a parameter of an effect from captures.
-
-    Parameters
-    ----------
-    parameter
-        One that the effect's `neutral` names.
-    value, standard_error
-        In its unit.
-    negligible
-        By how much it may part from neutral unnoticed, in its unit.
-    """
+    """A closed-form estimate of a parameter of an effect from captures."""
 
     parameter: str
+    """One that the effect's `neutral` names."""
     value: float
     standard_error: float
+    """Both in its unit."""
     negligible: float
+    """By how much it may part from neutral unnoticed, in its unit."""
 
     def is_seen(self, neutral: float) -> bool:
         """True if it surely parts from neutral, and by what matters.

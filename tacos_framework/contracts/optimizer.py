@@ -15,86 +15,58 @@ ScoreScale = Literal["real", "count", "share"]
 
 @dataclass(frozen=True)
 class DesignProblem:
-    """The problem of an optimizer beside its design space.
-
-    Parameters
-    ----------
-    fitness
-        The weighted sum of scores, `tacos_framework.fitness.Fitness`.
-    episodes
-        How many episodes there are to score a candidate on; where the recipe cuts episodes into blocks, each
-        block counts as one.
-    coordinates
-        What images depend on, by name, for a candidate that breaks nothing: what the rig declares, and the
-        other variables. The names are the same for all candidates.
-    broken
-        By how much a candidate breaks each constraint, in the unit of its quantity; empty where it keeps
-        all. What the rig refuses breaks ``rig`` by 1. Nothing is rendered for it.
-    scales
-        The kind of number of each score of the fitness that says so, by ``node.score``.
-    depends_on
-        The coordinates a score depends on, for scores that say so; the others depend on all.
-    weights_learn
-        Whether tasks learn meanwhile, so that equal candidates get other scores later.
-    episodes_renew
-        Whether each round brings other episodes, so that a number names another one in the next round.
-    """
+    """The problem of an optimizer beside its design space."""
 
     fitness: Any
+    """The weighted sum of scores, `tacos_framework.fitness.Fitness`."""
     episodes: int
+    """How many episodes there are to score a candidate on; where the recipe cuts episodes into blocks, each
+    block counts as one."""
     coordinates: Callable[[Candidate], Mapping[str, float]]
+    """What images depend on, by name, for a candidate that breaks nothing: what the rig declares, and the
+    other variables. The names are the same for all candidates."""
     broken: Callable[[Candidate], Mapping[str, float]]
+    """By how much a candidate breaks each constraint, in the unit of its quantity; empty where it keeps all.
+    What the rig refuses breaks ``rig`` by 1. Nothing is rendered for it."""
     scales: Mapping[str, ScoreScale] = field(default_factory=dict)
+    """The kind of number of each score of the fitness that says so, by ``node.score``."""
     depends_on: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    """The coordinates a score depends on, for scores that say so; the others depend on all."""
     weights_learn: bool = False
+    """True if tasks learn meanwhile, so that equal candidates get other scores later."""
     episodes_renew: bool = False
+    """True if each round brings other episodes, so that a number names another one in the next round."""
 
 
 @dataclass(frozen=True)
 class Asked:
-    """A candidate to evaluate, and how thoroughly.
-
-    Parameters
-    ----------
-    episodes
-        The episodes to score it on, counted from 0, each once; None for all there are.
-    """
+    """A candidate to evaluate, and how thoroughly."""
 
     candidate: Candidate
     episodes: tuple[int, ...] | None = None
+    """The episodes to score it on, counted from 0, each once; None for all there are."""
 
 
 @dataclass(frozen=True)
 class Evaluated:
-    """The result of a candidate.
-
-    Parameters
-    ----------
-    candidate
-        As it was asked.
-    fitness
-        Higher is better [weighted sum of scores]; None when it failed or breaks a constraint.
-    failed
-        Why, in a sentence.
-    episodes
-        The scores of each episode it was scored on, by number; with several scenarios they are called
-        ``scenario/node.score``. They are there as well where it failed only because none of these episodes
-        gives a score that the fitness takes.
-    standard_errors
-        Of the mean of each score over those episodes, where there are two or more.
-    broken
-        By how much it breaks each constraint.
-    images
-        How many images were rendered for it; none where it was known from before.
-    """
+    """The result of a candidate."""
 
     candidate: Candidate
+    """As it was asked."""
     fitness: float | None
+    """Higher is better [weighted sum of scores]; None when it failed or breaks a constraint."""
     failed: str | None = None
+    """Why, in a sentence."""
     episodes: Mapping[int, Mapping[str, float]] = field(default_factory=dict)
+    """The scores of each episode it was scored on, by number; with several scenarios they are called
+    ``scenario/node.score``. They are there as well where it failed only because none of these episodes gives
+    a score that the fitness takes."""
     standard_errors: Mapping[str, float] = field(default_factory=dict)
+    """Of the mean of each score over those episodes, where there are two or more."""
     broken: Mapping[str, float] = field(default_factory=dict)
+    """By how much it breaks each constraint."""
     images: int = 0
+    """How many images were rendered for it; none where it was known from before."""
 
 
 class Optimizer(Protocol):

@@ -10,9 +10,6 @@ def optional(component: object, base: type[Any], name: str) -> Any:
 
     Components may inherit the base class and need not.
 
-    Raises
-    ------
-    AttributeError
-        When the base class has no such member.
+    Raises `AttributeError` when the base class has no such member.
     """
     return getattr(component, name, getattr(base, name))

@@ -38,12 +38,8 @@ class Sensor(Protocol):
     def expect(self, light_cd_m2: NDArray[np.float32], *, camera: Camera, exposure: Exposure) -> Samples:
         """The samples without noise that light makes.
 
-        Parameters
-        ----------
-        light_cd_m2
-            (N, H, W, 3) luminance that reaches the pixels, as in `View.luminance_cd_m2`.
-        camera, exposure
-            Who looks, and how long.
+        `light_cd_m2`: (N, H, W, 3) luminance that reaches the pixels, as in `View.luminance_cd_m2`. `camera`,
+        `exposure`: who looks, and how long.
         """
         ...
 
@@ -52,18 +48,10 @@ class Sensor(Protocol):
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Mean and variance of what `draw` gives for expected samples, where nothing saturates.
 
-        Parameters
-        ----------
-        camera, exposure
-            As above; of b x b photosites averaged into a pixel (`Camera.binning`) the variance is that of the
-            average.
-        photon_scale
-            Factor on the variance of the photon noise [1].
+        `camera`, `exposure`: as above; of b x b photosites averaged into a pixel (`Camera.binning`) the
+        variance is that of the average. `photon_scale`: factor on the variance of the photon noise [1].
 
-        Returns
-        -------
-        mean_dn, variance_dn2
-            Of the shape of the samples [DN, DN^2].
+        Returns: mean and variance, of the shape of the samples [DN, DN^2].
         """
         ...
 

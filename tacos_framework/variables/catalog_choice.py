@@ -20,8 +20,6 @@ from tacos_framework.variables.gene import Gene
 class CatalogChoice:
     """A part from a catalog, by one of the two schemes of the paper (Sec. 3.3).
 
-    Notes
-    -----
     Parts without a known number in every one of the columns cannot be chosen either; `reasons` holds both.
     """
 

@@ -80,10 +80,7 @@ class Outcome:
 def hold_against(prediction: Prediction, measured: Measured, where: str) -> Outcome:
     """A prediction beside measured values.
 
-    Raises
-    ------
-    UserError
-        When nothing that was predicted is among them.
+    Raises `UserError` when nothing that was predicted is among them.
     """
     found = [
         Miss(v, measured[v.camera, v.score]) for v in prediction.values if (v.camera, v.score) in measured
@@ -123,10 +120,7 @@ def write_outcome(path: Path, outcome: Outcome, prediction: Prediction, when: st
 def read_outcome(path: Path) -> list[Miss]:
     """The values of an outcome.
 
-    Raises
-    ------
-    UserError
-        When the file cannot be read.
+    Raises `UserError` when the file cannot be read.
     """
     try:
         return [

@@ -18,24 +18,17 @@ SUFFIX = ".prediction.json"
 
 @dataclass(frozen=True)
 class PredictedValue:
-    """A score of a camera with its 90 % interval.
-
-    Parameters
-    ----------
-    score
-        ``node.score``; its last part is the kind of score.
-    error
-        Standard error by what the simulation itself leaves open, such as the choice of scenes.
-    low, high
-        Ends of the interval, the model error of the register in it.
-    """
+    """A score of a camera with its 90 % interval."""
 
     camera: str
     score: str
+    """``node.score``; its last part is the kind of score."""
     value: float
     error: float
+    """Standard error by what the simulation itself leaves open, such as the choice of scenes."""
     low: float
     high: float
+    """Ends of the interval, the model error of the register in it."""
 
     @property
     def kind(self) -> str:
@@ -45,26 +38,18 @@ class PredictedValue:
 
 @dataclass(frozen=True)
 class Prediction:
-    """What is expected to be measured.
-
-    Parameters
-    ----------
-    about
-        What is to be measured, in a sentence.
-    made
-        Time of the prediction, ISO 8601 with its offset.
-    origin
-        Recipe, seed and version it follows from.
-    model_error
-        For each kind of score its model error and the number of measured values behind it; empty for
-        kinds that were never measured.
-    """
+    """What is expected to be measured."""
 
     about: str
+    """What is to be measured, in a sentence."""
     made: str
+    """Time of the prediction, ISO 8601 with its offset."""
     values: tuple[PredictedValue, ...]
     origin: Mapping[str, Any] = field(default_factory=dict)
+    """Recipe, seed and version it follows from."""
     model_error: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    """For each kind of score its model error and the number of measured values behind it; empty for kinds
+    that were never measured."""
 
     @property
     def digest(self) -> str:
@@ -74,10 +59,7 @@ class Prediction:
     def write(self, path: Path) -> None:
         """Write the file; an earlier prediction is never overwritten.
 
-        Raises
-        ------
-        UserError
-            When the file is there already.
+        Raises `UserError` when the file is there already.
         """
         if path.exists():
             raise UserError(
@@ -91,10 +73,7 @@ class Prediction:
 def read_prediction(path: Path) -> Prediction:
     """A prediction from its file.
 
-    Raises
-    ------
-    UserError
-        When it cannot be read, or was changed since it was made.
+    Raises `UserError` when it cannot be read, or was changed since it was made.
     """
     data = read_json(path)
     try:

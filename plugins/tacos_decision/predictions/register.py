@@ -19,18 +19,12 @@ COVERAGE = 0.9
 
 @dataclass(frozen=True)
 class ModelError:
-    """How far predictions of a kind of score have missed, beyond their own standard error.
-
-    Parameters
-    ----------
-    relative
-        Standard deviation of the model error, as a share of the value [1].
-    measured
-        Number of measured values behind it.
-    """
+    """How far predictions of a kind of score have missed, beyond their own standard error."""
 
     relative: float
+    """Standard deviation of the model error, as a share of the value [1]."""
     measured: int
+    """Number of measured values behind it."""
 
     def half_width(self, value: float, error: float) -> float:
         """Half of the 90 % interval of a new prediction, by Student's t with one degree for each value."""

@@ -27,10 +27,7 @@ def prediction_from(
 ) -> Prediction:
     """The prediction of a study's test, or of a recording replayed from one exposure.
 
-    Raises
-    ------
-    UserError
-        When the results predict nothing.
+    Raises `UserError` when the results predict nothing.
     """
     estimates = [*_of_test(result), *_of_replay(result)]
     if not estimates:
@@ -53,10 +50,7 @@ def prediction_from(
 def measured_in(path: Path, result: Mapping[str, Any] | None) -> Measured:
     """Measured values: of a replayed recording's results, or of a table ``camera,score,value``.
 
-    Raises
-    ------
-    UserError
-        When the table lacks a column, holds what is no number, or has two lines for one score.
+    Raises `UserError` when the table lacks a column, holds what is no number, or has two lines for one score.
     """
     if result is not None:
         name = f"replay.{result.get('score', 'inliers')}"

@@ -19,15 +19,9 @@ _FORMS: dict[str, tuple[type, ...]] = {
 def told_apart(expected: str, *, length: int | None = None) -> Discriminator:
     """Tells the members of a union apart, so that a wrong entry is one fault and not one for each member.
 
-    Parameters
-    ----------
-    expected
-        Says all its forms; what has none of them, or is empty, is refused with it.
-    length
-        Of its lists; None for any.
+    `expected`: says all its forms; what has none of them, or is empty, is refused with it. `length`: of its
+    lists; None for any.
 
-    Notes
-    -----
     Members are tagged ``<number>``, ``<text>``, ``<list>`` and ``<keys>``.
     """
 

@@ -18,14 +18,10 @@ class DiagnosisResult:
     """Findings of a diagnosis, as tables.
 
     `causes` and `where` give data frames of pandas (the extra ``frames``); `rows` gives plain values.
-
-    Parameters
-    ----------
-    data
-        All of ``diagnosis.json``; ``docs/reference/results.md`` lists its keys.
     """
 
     data: Mapping[str, Any]
+    """All of ``diagnosis.json``; ``docs/reference/results.md`` lists its keys."""
 
     @property
     def verdict(self) -> str:
@@ -42,10 +38,7 @@ class DiagnosisResult:
     def rows(self, table: str) -> list[Row]:
         """A table, ``causes`` or ``where``, as plain values.
 
-        Raises
-        ------
-        UserError
-            When there is no such table.
+        Raises `UserError` when there is no such table.
         """
         return TABLES.rows(self, table)
 
@@ -58,10 +51,7 @@ class DiagnosisResult:
 def read_diagnosis(folder: str | Path) -> DiagnosisResult:
     """Findings of a diagnosis, from its results folder.
 
-    Raises
-    ------
-    UserError
-        When there is no readable ``result.json`` of a diagnosis.
+    Raises `UserError` when there is no readable ``result.json`` of a diagnosis.
     """
     from tacos_framework.store import read_result  # with numpy, which listing plugins does without
 

@@ -30,12 +30,8 @@ class WorldHits:
 class Occlusion:
     """The triangles of a world, ready for ray queries.
 
-    Attributes
-    ----------
-    vertices_m
-        (V, 3) vertices of all parts, one after another [m].
-    triangles
-        (T, 3) indices into `vertices_m`.
+    `vertices_m`: (V, 3) vertices of all parts, one after another [m]. `triangles`: (T, 3) indices into
+    `vertices_m`.
     """
 
     def __init__(self, world: World) -> None:

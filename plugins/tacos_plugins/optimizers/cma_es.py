@@ -57,8 +57,6 @@ class CmaEs:
     >>> reason, bool(best > -0.01)
     ('80 different candidates were evaluated', True)
 
-    Notes
-    -----
     `state` keeps the fitness observed so far and the generator's first state; `restore` tells it all again,
     which takes milliseconds per generation and is exact.
     """

@@ -36,8 +36,6 @@ class ObstacleVisibility:
     Source: the paper, Sec. 4.3, o_seen / o_total. Holst, "Electro-optical imaging system performance": P =
     (N/N50)^E / (1 + (N/N50)^E) with E = 2.7 + 0.7 N/N50 and N50 = 4 for recognition.
 
-    Notes
-    -----
     What it takes to recognise a thing is counted in line pairs across its shorter side, of two pixels each:
     half of all observers recognise it with 4, and 98 % with 10 (Johnson's criterion, with the transfer
     function of the reference). A threshold two metres ahead looks seven times as wide as deep, so 20 pixels

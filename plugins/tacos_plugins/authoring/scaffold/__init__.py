@@ -41,24 +41,14 @@ COMPONENT_FILES = {
 def new_plugin(name: str, kinds: Sequence[str] = ("task",), *, folder: Path) -> list[Path]:
     """Write a plugin project.
 
-    Parameters
-    ----------
-    name
-        Name of the distribution, ``tacos-NAME`` by habit; its components are called NAME.
-    kinds
-        Kinds of component it offers, one component of each.
-    folder
-        Where the project's folder, called `name`, is made.
+    - `name`: name of the distribution, ``tacos-NAME`` by habit; its components are called NAME.
+    - `kinds`: kinds of component it offers, one component of each.
+    - `folder`: where the project's folder, called `name`, is made.
 
-    Returns
-    -------
-    The files written.
+    Returns the files written.
 
-    Raises
-    ------
-    UserError
-        When the name cannot be that of a package, a kind is unknown, or the folder is there already or
-        cannot be made.
+    Raises `UserError` when the name cannot be that of a package, a kind is unknown, or the folder is there
+    already or cannot be made.
     """
     project, component = folder / name, name.removeprefix("tacos-")
     kinds = tuple(dict.fromkeys(kinds))

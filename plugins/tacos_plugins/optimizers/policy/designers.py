@@ -54,8 +54,6 @@ class Designers:
 class RewardScale:
     """Running mean and spread of what was observed, so that rewards are of the order of one.
 
-    Notes
-    -----
     Welford's update; see Knuth, The Art of Computer Programming, vol. 2, 4.2.2.
 
     Examples

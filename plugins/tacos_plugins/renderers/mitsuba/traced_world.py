@@ -21,10 +21,7 @@ class TracedWorld:
     - `mitsuba`: the module, set to the variant to compute with.
     - `world`: the world. Its `indirect_lux` is not used: reflections are traced.
 
-    Attributes
-    ----------
-    scene
-        The `mitsuba.Scene`.
+    `scene`: the `mitsuba.Scene`.
     """
 
     def __init__(self, mitsuba: ModuleType, world: World):

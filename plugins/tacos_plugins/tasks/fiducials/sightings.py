@@ -118,10 +118,7 @@ def range_m(sightings: Sequence[Sighting]) -> float:
 def scores_of(sightings: Sequence[Sighting], *, missed: int = 0) -> Scores:
     """The scores of `Fiducials`; none where no marker was to be read.
 
-    Parameters
-    ----------
-    missed
-        Markers of the field of work that were not in sight.
+    `missed`: markers of the field of work that were not in sight.
     """
     near = [each for each in sightings if each.in_field]
     count = len(near) + missed

@@ -22,8 +22,6 @@ pixels [1].
 class StereoPair:
     """Two equal, parallel cameras side by side.
 
-    Notes
-    -----
     A point at depth Z lies ``d = f b / Z`` pixels further left in the right image (the paper's rectified
     stereo). Log errors of depth and of disparity over baseline are therefore equal.
     """
