@@ -68,8 +68,6 @@ class LRUCache(Generic[Made]):
     - `bytes_of`: memory a thing takes; without it, any number of bytes will do [bytes].
     - `let_go`: told of each thing that is held no longer.
 
-    Examples
-    --------
     >>> squares = LRUCache(size=2)
     >>> squares.get(3, lambda: 9)
     9

@@ -35,8 +35,6 @@ _TARGET = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
 class Component:
     """A component a plugin offers, described without importing its code.
 
-    Examples
-    --------
     >>> Component("sensor", "affine-noise", "my_plugin.noise:AffineNoise", summary="Noise.").use
     'sensor.affine-noise'
     """

@@ -34,8 +34,6 @@ class FitnessTerm:
 class Fitness:
     """Weighted sum of scores, maximised (paper, Sec. 4.3, "Fitness Function").
 
-    Examples
-    --------
     >>> fitness = Fitness((FitnessTerm("features.inliers", 0.0025), FitnessTerm("obstacle.seen_ratio", 1.0)))
     >>> fitness.value({"features.inliers": 200.0, "obstacle.seen_ratio": 0.75})
     1.25

@@ -16,8 +16,6 @@ def in_one_thread(function: Function) -> Function:
     for whatever works side by side already. On two cores that other processes used as well, the analysis of
     a study took thirty times as long with two threads as with one.
 
-    Examples
-    --------
     >>> import numpy as np
     >>> from threadpoolctl import threadpool_info
     >>> @in_one_thread

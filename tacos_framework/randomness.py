@@ -21,8 +21,6 @@ def generator(seed: int, *names: str | int) -> np.random.Generator:
     The names are hashed (BLAKE2b over their JSON list) into the spawn key of a `numpy.random.SeedSequence`,
     which feeds a PCG64.
 
-    Examples
-    --------
     >>> generator(7, "noise", "generation", 3).integers(1000, size=3).tolist()
     [771, 212, 646]
     >>> bool(generator(7, "a").random() == generator(7, "b").random())

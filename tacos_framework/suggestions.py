@@ -29,8 +29,6 @@ def suggestions(
     alike in letters. What names have in common before their last dot, or as a unit, tells nothing of which
     is meant.
 
-    Examples
-    --------
     >>> tasks = ["task.faster-rcnn", "task.orb-features", "task.sgbm"]
     >>> suggestions("task.orb", tasks), suggestions("task.sbgm", tasks), suggestions("task.slam", tasks)
     (['task.orb-features'], ['task.sgbm'], [])
@@ -53,8 +51,6 @@ def suggestions(
 def meant(given: str, also_called: Mapping[str, Collection[str]]) -> list[str]:
     """The names that others call by a given word, or by the first of its parts that they use.
 
-    Examples
-    --------
     >>> also_called = {"exposure_ms": ("shutter",), "gain_db": ("iso",), "speed": ("us",)}
     >>> meant("ISO", also_called), meant("shutter_speed_us", also_called), meant("zoom", also_called)
     (['gain_db'], ['exposure_ms'], [])

@@ -5,8 +5,6 @@
 out, ``plot`` draws figures of that, and ``render`` gives frames in one line. What plugins need besides is in
 `tacos_framework`.
 
-Examples
---------
 >>> import tacos
 >>> tacos.load_recipe("headset_quick").name
 'headset, quick'

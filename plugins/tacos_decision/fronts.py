@@ -75,8 +75,6 @@ def front(model: CameraModel, pool: Pool) -> tuple[dict[str, Any] | None, Camera
 def undominated(aims: Array) -> list[int]:
     """The rows of (rows, aims) numbers, each to be small, that no other matches in all and beats in one.
 
-    Examples
-    --------
     >>> undominated(np.array([[1.0, 2.0], [2.0, 1.0], [2.0, 2.0], [1.0, 2.0]]))
     [0, 1, 3]
     """

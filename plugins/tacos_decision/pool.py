@@ -21,8 +21,6 @@ Parts = tuple[CatalogPart, ...]
 class Pool:
     """The cameras of a design space, by their parts and the rest as a row of the unit cube.
 
-    Examples
-    --------
     >>> from tacos_framework.variables.design_space import Continuous
     >>> pool = Pool(DesignSpace([Continuous("pitch_deg", -30, 30, "deg")]))
     >>> pool.camera((), np.array([0.75]))

@@ -58,8 +58,6 @@ _LOSSY_REMEDY = "Have the camera save raw frames: PNG, TIFF, npy, PGM or its RAW
 def usual_bit_depth(largest_dn: int) -> int:
     """The smallest bit depth of cameras that holds a sample.
 
-    Examples
-    --------
     >>> usual_bit_depth(4094)
     12
     """

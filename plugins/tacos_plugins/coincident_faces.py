@@ -23,8 +23,6 @@ _WITHIN = np.array(
 def numbered(rows: NDArray[np.int64]) -> NDArray[np.int64]:
     """(N,) a number for each row of (N, K), equal for equal rows.
 
-    Examples
-    --------
     >>> numbered(np.array([[3, 1], [0, 2], [3, 1]])).tolist()
     [0, 1, 0]
     """

@@ -44,8 +44,6 @@ def exposed(images_dn: NDArray[np.unsignedinteger], black_level_dn: float, white
 
     `images_dn`: (..., C) [DN]. `black_level_dn`, `white_level_dn`: pedestal and full scale [DN].
 
-    Examples
-    --------
     >>> exposed(np.uint8([[[255], [16], [100], [20]]]), 16, 255)
     Exposed(saturated=0.25, dark=0.5)
     """

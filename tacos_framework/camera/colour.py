@@ -16,8 +16,6 @@ def luminance(rgb: ArrayLike) -> NDArray[np.float64]:
 
     Returns: (...), in the unit of the channels.
 
-    Examples
-    --------
     >>> luminance([1.0, 1.0, 1.0]).round(12).item()
     1.0
     """
@@ -33,8 +31,6 @@ def srgb_from_linear(linear: ArrayLike) -> NDArray[np.float64]:
 
     Source: IEC 61966-2-1:1999.
 
-    Examples
-    --------
     >>> srgb_from_linear([0.0, 0.18, 1.0]).round(4).tolist()
     [0.0, 0.4614, 1.0]
     """
@@ -51,8 +47,6 @@ def linear_from_srgb(encoded: ArrayLike) -> NDArray[np.float64]:
 
     Source: IEC 61966-2-1:1999.
 
-    Examples
-    --------
     >>> linear_from_srgb([0.0, 0.4614, 1.0]).round(4).tolist()
     [0.0, 0.18, 1.0]
     """
@@ -76,8 +70,6 @@ def display_image(
 
     Returns: same shape, uint8 sRGB code values, 0..255.
 
-    Examples
-    --------
     >>> display_image(np.uint8([16, 55, 255]), 16, 255).tolist()
     [0, 112, 255]
     """

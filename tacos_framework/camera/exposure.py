@@ -12,8 +12,6 @@ registers that Linux drivers write, at full resolution; 4.9 to 52 us [us]."""
 def gain_factor(gain_db: float) -> float:
     """Gain as a factor on the signal; 20 dB is a factor of 10 [1].
 
-    Examples
-    --------
     >>> gain_factor(20.0)
     10.0
     """
@@ -33,8 +31,6 @@ def exposure_per_luminance(time_s: float, f_number: float) -> float:
 
     Source: ISO 12232, Annex A, with transmittance and vignetting of 1.
 
-    Examples
-    --------
     >>> luminance = 20.0 * 0.8 / math.pi  # of a matte white wall that 20 lux fall on
     >>> round(luminance * exposure_per_luminance(time_s=0.030, f_number=2.0), 6)
     0.03

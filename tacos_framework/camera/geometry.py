@@ -31,8 +31,6 @@ def agent_from_camera(
 
     Returns: (4, 4) float64 rigid transform [m].
 
-    Examples
-    --------
     >>> pose = agent_from_camera((0.0, 0.0, 0.1), pitch_deg=30.0)
     >>> (pose @ [0, 0, 1, 1]).round(3).tolist()  # one metre along the optical axis
     [0.866, 0.0, 0.6, 1.0]
@@ -60,8 +58,6 @@ def world_from_camera(
 
     Returns: (..., 4, 4) float64 [m].
 
-    Examples
-    --------
     >>> walk = np.tile(np.eye(4), (2, 1, 1))
     >>> walk[1, 0, 3] = 5.0
     >>> world_from_camera(walk, agent_from_camera((0, 0, 0), 0.0))[:, :3, 3].tolist()
@@ -73,8 +69,6 @@ def world_from_camera(
 def invert_pose(pose: NDArray[np.float64]) -> NDArray[np.float64]:
     """The inverse of (..., 4, 4) rigid transforms: ``b_from_a`` of ``a_from_b`` [m].
 
-    Examples
-    --------
     >>> pose = agent_from_camera((1.0, 2.0, 3.0), pitch_deg=20.0, yaw_deg=40.0)
     >>> bool(np.allclose(invert_pose(pose) @ pose, np.eye(4)))
     True
@@ -100,8 +94,6 @@ def project(
       the lens does not image, as those behind a rectilinear camera [px].
     - `depth_m`: (...) float64 depth as `View.depth_m` has it; negative behind a rectilinear camera [m].
 
-    Examples
-    --------
     >>> camera = Camera("c", width_px=5, height_px=5, pixel_um=10, focal_length_mm=1)
     >>> pose = agent_from_camera((0, 0, 0), pitch_deg=0)
     >>> pixels, depth = project([[2.0, 0.0, 0.0], [2.0, 0.02, 0.02]], camera, pose)
@@ -127,8 +119,6 @@ def pixel_rays(camera: Camera) -> NDArray[np.float64]:
 
     Returns: (H, W, 3) float64; NaN outside of the image circle [1].
 
-    Examples
-    --------
     >>> camera = Camera("c", width_px=3, height_px=1, pixel_um=10, focal_length_mm=0.01)
     >>> pixel_rays(camera).tolist()
     [[[-1.0, 0.0, 1.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0]]]
@@ -157,8 +147,6 @@ def along_axis_m(depth_m: NDArray[np.floating], camera: Camera) -> NDArray[np.fl
 def distance_m(depth_m: NDArray[np.floating], camera: Camera) -> NDArray[np.float64]:
     """The distance from the optical centre of what has a depth, likewise [m].
 
-    Examples
-    --------
     >>> camera = Camera("c", width_px=3, height_px=1, pixel_um=10, focal_length_mm=0.01)
     >>> distance_m(np.ones((1, 3)), camera).round(3).tolist()
     [[1.414, 1.0, 1.414]]

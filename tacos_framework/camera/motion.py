@@ -43,8 +43,6 @@ def reprojected(
     - `x_px`, `y_px`: places in the other's image; where a fisheye images nothing, the same places [px].
     - `scale`: depth of each point in the other camera over its depth in this one [1].
 
-    Examples
-    --------
     A camera a step of 1 m ahead sees what is 2 m away twice as far from its centre:
 
     >>> geometry = ImageGeometry(5, 5, focal_length_px=4.0, centre_px=(2.0, 2.0), pixel_um=3)

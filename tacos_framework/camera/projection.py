@@ -39,8 +39,6 @@ def rays_of_pixels(pixels_px: ArrayLike, camera: Projecting) -> NDArray[np.float
 
     Returns: (..., 3) unit vectors in the camera frame; NaN outside of the image circle [1].
 
-    Examples
-    --------
     A pixel a quarter of a turn off the axis of an equidistant lens looks to the right:
 
     >>> from tacos_framework import Camera, Lens
@@ -73,8 +71,6 @@ def pixels_of_rays(rays: ArrayLike, camera: Projecting) -> NDArray[np.float64]:
 
     Returns: (..., 2) places (x, y), not clipped to the image; NaN for what the lens does not image [px].
 
-    Examples
-    --------
     >>> from tacos_framework import Camera, Lens
     >>> camera = Camera("c", 5, 5, pixel_um=1, focal_length_mm=1e-3, lens=Lens("equisolid"))
     >>> pixels_of_rays([0.0, 2.0, 0.0], camera).round(4).tolist()

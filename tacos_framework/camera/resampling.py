@@ -47,8 +47,6 @@ def resample(
     Returns: (N, H', W', C), same dtype; nowhere outside the range of its frame, as the spline overshoots at
     edges.
 
-    Examples
-    --------
     >>> ramp = np.tile(np.arange(40.0), (3, 1))[None, :, :, None]
     >>> resample(ramp, np.array([[20.25]]), np.array([[1.0]])).round(6).item()
     20.25
@@ -115,8 +113,6 @@ def composed(first: Places, then: Places) -> Places:
     Returns: where the last picture looks. Between the pixels of the picture in between its moves are linear;
     outside of it they go on as at its edge.
 
-    Examples
-    --------
     >>> y, x = np.mgrid[:4, :6].astype(float)
     >>> column, row = composed((x + 0.25, y), (x, y - 1.5))
     >>> float(column[2, 3]), float(row[2, 3])

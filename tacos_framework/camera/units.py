@@ -30,8 +30,6 @@ def image_units_per(
 
     Raises `ValueError` for a pair of units that do not belong together.
 
-    Examples
-    --------
     >>> binned_by_4 = {"pixel_um": 12, "binning": 4}  # photosites of 3 um
     >>> geometry = ImageGeometry(160, 120, focal_length_px=250, centre_px=(79.5, 59.5), **binned_by_4)
     >>> image_units_per("um", "px", geometry=geometry, context=ImageContext())
@@ -53,8 +51,6 @@ def image_units_per(
 def binned(unit: str, averaging: str | None, binning: float) -> float:
     """Factor on a number of that unit by averaging b x b photosites into a pixel [1].
 
-    Examples
-    --------
     >>> binned("px", None, 4), binned("DN", "photosites", 4), binned("DN", "lines", 4), binned("DN", None, 4)
     (0.25, 0.25, 0.5, 1.0)
     """

@@ -23,8 +23,6 @@ class Pace:
     - `total`: how many candidates or steps it will take; None where nobody knows.
     - `clock`: seconds since any moment.
 
-    Examples
-    --------
     >>> now_s = 0.0
     >>> pace = Pace("Designing", 4, clock=lambda: now_s)
     >>> print(pace)

@@ -97,8 +97,6 @@ def _device(text: str) -> str:
 def _as_a_setting(unknown: Sequence[str]) -> str:
     """Arguments that are no options, as overrides of a recipe.
 
-    Examples
-    --------
     >>> _as_a_setting(["--captures", "my_captures"]), _as_a_setting(["my_captures"])
     ('try --set captures=my_captures', 'settings of the recipe are given by --set KEY=my_captures')
     """

@@ -23,8 +23,6 @@ class Limits:
     Megabytes are 10^6 bytes. The defaults hold what people really have, an image of 80 megapixels in three
     channels among it; whoever has larger files and trusts them raises a limit.
 
-    Examples
-    --------
     >>> limits("image_mb=1000").image_mb
     1000.0
     """

@@ -151,8 +151,6 @@ def digital(samples_dn: NDArray[np.floating], white_level_dn: float) -> Samples:
     Halves go to the even neighbour, so that rounding has no bias; cutting the fraction off instead would
     darken every image by half a digital number.
 
-    Examples
-    --------
     >>> digital(np.float32([-3.0, 0.5, 1.5, 1.4, 254.6, 300.0]), 255).tolist()
     [0.0, 0.0, 2.0, 1.0, 255.0, 255.0]
     """

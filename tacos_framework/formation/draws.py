@@ -15,8 +15,6 @@ from tacos_framework.randomness import generator
 class EpisodeDraws:
     """Generators by frame and name, so that no draw depends on batches, workers or order.
 
-    Examples
-    --------
     >>> draws = EpisodeDraws(7, ("design", 0))
     >>> bool(draws.rng(3, "noise").random() == EpisodeDraws(7, ("design", 0)).rng(3, "noise").random())
     True
@@ -44,8 +42,6 @@ class EpisodeDraws:
     def at(self, node: str) -> EpisodeDraws:
         """The same draws with a memory of one node: an effect that holds for all images acts at several.
 
-        Examples
-        --------
         >>> draws = EpisodeDraws(7, ("design", 0))
         >>> draws.at("left").memory("effect")["frames"] = 3
         >>> draws.at("left").memory("effect"), draws.at("right").memory("effect")
@@ -56,8 +52,6 @@ class EpisodeDraws:
     def as_now(self) -> EpisodeDraws:
         """The same draws with all that is remembered by now, from which an episode may be gone on with.
 
-        Examples
-        --------
         >>> draws = EpisodeDraws(7, ("design", 0))
         >>> draws.memory("effect")["frames"] = 3
         >>> then = draws.as_now()

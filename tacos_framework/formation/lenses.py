@@ -21,8 +21,6 @@ def captured(renderer: Any, rig: Rig, take: Callable[..., Capture]) -> Capture:
 
     `take`: the renderer's `capture`, all given but the ``rig``.
 
-    Examples
-    --------
     ::
 
         capture = captured(renderer, rig, partial(renderer.capture, episode, exposure=exposure))

@@ -12,8 +12,6 @@ def fits(given: Any, taken: Any) -> bool:
     Classes fit their base classes, and a union takes what any of its members takes. Parameters of generic
     types must be equal. Types that plugins define are as good as any.
 
-    Examples
-    --------
     >>> fits(bool, int), fits(int, bool), fits(int, int | str), fits(list[int], list[str])
     (True, False, True, False)
     """

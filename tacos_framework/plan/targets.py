@@ -33,8 +33,6 @@ def target_of(name: str, effects: Sequence[str]) -> Target:
     `effects`: names of the effects in the order of the recipe, which may also be counted:
     ``effects.0.quality``.
 
-    Examples
-    --------
     >>> target_of("effects.0.left.quality", ["jpeg"])
     Target(kind='effect', owner='jpeg', setting='quality', camera='left')
     """

@@ -72,8 +72,6 @@ def doubts_of_units(plan: Plan) -> Iterator[str]:
 def doubts_of_camera(camera: Camera) -> Iterator[str]:
     """Implausible figures, with the likely unit.
 
-    Examples
-    --------
     >>> camera = Camera("c", 640, 480, pixel_um=0.003, focal_length_mm=4.0)
     >>> list(doubts_of_camera(camera))
     ['pixel_um is 0.003, as of no camera; is it in millimetres? Then it is 3']

@@ -17,8 +17,6 @@ from tacos_framework.plugins.registry import Registered, Registry
 class Plugins:
     """The plugins of one host. There is no global instance.
 
-    Examples
-    --------
     >>> plugins = Plugins.discover()
     >>> plugins.component("sensor.affine-noise").summary
     'Photon and thermal noise, scaled by gain and pixel area.'

@@ -43,8 +43,6 @@ class calling:
       known.
     - `doing`: what it is called for: the verb or hook, and what else tells the place.
 
-    Examples
-    --------
     >>> try:
     ...     with calling("sensor.acme", "acme-cameras", "expose in node 'frames'"):
     ...         1 / 0

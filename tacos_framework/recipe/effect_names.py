@@ -11,8 +11,6 @@ def effect_names(uses: Sequence[tuple[str, str | None]]) -> tuple[str, ...]:
 
     `uses`: for each effect its component, and its name where it has one.
 
-    Examples
-    --------
     >>> effect_names([("effect.jpeg", None), ("effect.jpeg", None), ("effect.haze", "fog")])
     ('jpeg', 'jpeg_2', 'fog')
     """

@@ -14,8 +14,6 @@ def quoting(note: str, recipe: Mapping[str, Any]) -> str:
 
     Raises `ValueError` where a key is not in the recipe, or stands for more than one value.
 
-    Examples
-    --------
     >>> quoting("Averages {rig.binning} x {rig.binning} photosites.", {"rig": {"binning": 4}})
     'Averages 4 x 4 photosites.'
     """

@@ -15,8 +15,6 @@ from tacos_framework.settings.yaml_reader import read_yaml
 def written_out(given: Any) -> Any:
     """A pipeline that is named, or begins from a named one (``from:``), as its effects and settings.
 
-    Examples
-    --------
     >>> list(written_out("coded")), list(written_out({"from": "coded", "jpeg": {"quality": 90}}))
     (['demosaic', 'tone-curve'], ['demosaic', 'tone-curve', 'jpeg'])
     """

@@ -34,8 +34,6 @@ _FORMS = {r"^[a-z][a-z0-9_]*$": _LETTERS, r"^[a-z][a-z0-9_-]*$": _LETTERS.replac
 def expected_by(complaint: Mapping[str, Any]) -> str:
     """The expectation behind a complaint of pydantic's, as `ValidationError.errors` gives it.
 
-    Examples
-    --------
     >>> expected_by({"type": "int_from_float", "msg": "Input should be a valid integer, got ..."})
     'a whole number'
     >>> too_long = {"field_type": "Tuple", "max_length": 2, "actual_length": 3}

@@ -25,8 +25,6 @@ class Position(NamedTuple):
 class Document:
     """The value of a YAML text, with positions.
 
-    Examples
-    --------
     >>> from tacos_framework.settings.yaml_reader import read_yaml
     >>> document = read_yaml("rig:\\n  pitch_deg: 1e1\\n", name="recipe.yaml")
     >>> document.data

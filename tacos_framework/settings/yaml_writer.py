@@ -30,8 +30,6 @@ def to_yaml(data: Any, *, flow_style: bool | None = False) -> str:
     `data`: what is written; dictionaries keep their order. `flow_style`: None writes the innermost lists and
     dictionaries on one line.
 
-    Examples
-    --------
     >>> to_yaml({"name": "1e3", "gain_db": 5.0})
     "name: '1e3'\\ngain_db: 5.0\\n"
     """

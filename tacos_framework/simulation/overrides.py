@@ -51,8 +51,6 @@ def overrides_of(values: Mapping[str, Any], effects: Sequence[str]) -> Overrides
     `values`: plain values by the names of design variables. `effects`: names of the recipe's effects, in its
     order.
 
-    Examples
-    --------
     >>> overrides = overrides_of({"pitch_deg": 3, "isp.gamma": 2.2, "effects.0.left.quality": 50}, ["jpeg"])
     >>> overrides.nodes.settings, overrides.effects.by_camera
     ({'isp': {'gamma': 2.2}}, {'jpeg': {'left': {'quality': 50}}})

@@ -17,8 +17,6 @@ def differences(before: Any, now: Any, name: str = "") -> Iterator[str]:
 
     `before`, `now`: plain data, such as recipes. `name`: what it is called, where it is not the top.
 
-    Examples
-    --------
     >>> before = {"seed": 7, "effects": [{"use": "effect.jpeg"}]}
     >>> for sentence in differences(before, {"seed": 8, "effects": [], "study": {"blocks": 3}}):
     ...     print(sentence)

@@ -28,8 +28,6 @@ def contributions(blocks: Sequence[Scores], fitness: Fitness) -> NDArray[np.floa
 
     Returns: (n,) float64, or None while a term was reported in fewer than two blocks.
 
-    Examples
-    --------
     >>> from tacos_framework.fitness import FitnessTerm
     >>> contributions([{"a": 1.0}, {"a": 3.0}], Fitness((FitnessTerm("a", 2.0),))).tolist()
     [2.0, 6.0]

@@ -37,8 +37,6 @@ def share_between(scores: NDArray[np.float64]) -> float:
 
     Source: Searle, Casella, McCulloch 1992, "Variance components", Sec. 4.3.
 
-    Examples
-    --------
     A scene that is harder for both leaves the difference of two cameras as clear as it was:
 
     >>> share_between(np.array([[0.9, 0.5, 0.7], [0.8, 0.4, 0.6]]))

@@ -69,8 +69,6 @@ class PairedInterval:
 def looks(first: int, most: int) -> tuple[int, ...]:
     """The numbers of scenes after which is looked, from `first` to `most`, whatever the number of workers.
 
-    Examples
-    --------
     >>> looks(4, 24)
     (4, 6, 9, 14, 21, 24)
     >>> looks(3, 3)
@@ -87,8 +85,6 @@ def error_at(count: int, counts: Sequence[int], error: float) -> float:
 
     Between two looks the earlier one is meant; the parts of all add up to `error`.
 
-    Examples
-    --------
     >>> [round(error_at(count, (12, 24), 0.05), 4) for count in (12, 24)]
     [0.0063, 0.0438]
     """
@@ -109,8 +105,6 @@ def compared(
       each of several products has its part.
     - `margin`: differences up to this do not matter [fitness].
 
-    Examples
-    --------
     >>> compared([0.5, 0.6, 0.4, 0.5, 0.6, 0.5], error=0.05, margin=0.01).verdict
     'better'
     >>> compared([0.5, 0.6], error=0.05, margin=0.01).verdict

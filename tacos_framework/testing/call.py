@@ -10,8 +10,6 @@ from typing import Any
 def supplied(method: Callable[..., Any], **offered: Any) -> dict[str, Any]:
     """Of the keyword arguments the framework offers, those the method has as keyword-only parameters.
 
-    Examples
-    --------
     >>> def expose(capture, *, rng): ...
     >>> supplied(expose, rng=1, exposure=2)
     {'rng': 1}

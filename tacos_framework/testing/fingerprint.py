@@ -13,8 +13,6 @@ import numpy as np
 def fingerprint(value: Any) -> str:
     """A hash over arrays, dataclasses, sequences, mappings and plain values, bit by bit.
 
-    Examples
-    --------
     >>> fingerprint([1, np.zeros(2)]) == fingerprint([1, np.zeros(2)])
     True
     >>> fingerprint(np.zeros(2)) == fingerprint(np.array([0.0, -0.0]))

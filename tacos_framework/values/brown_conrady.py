@@ -30,8 +30,6 @@ class BrownConrady(NamedTuple):
     def distorted(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> Points:
         """Images of points of the undistorted image.
 
-        Examples
-        --------
         >>> x, y = BrownConrady(k1=-0.1).distorted(np.array(0.5), np.array(0.0))
         >>> round(x.item(), 4)
         0.4875
@@ -54,8 +52,6 @@ class BrownConrady(NamedTuple):
         Strong barrel distortion folds the image over: nothing is imaged beyond some radius. For places out
         there, the nearest point that is imaged.
 
-        Examples
-        --------
         >>> lens = BrownConrady(k1=-0.1, k2=0.02, p1=0.001)
         >>> x, y = lens.undistorted(*lens.distorted(np.array([0.5]), np.array([0.3])))
         >>> x.round(9).tolist(), y.round(9).tolist()
@@ -77,8 +73,6 @@ class BrownConrady(NamedTuple):
     def fold(self) -> float:
         """The undistorted radius beyond which the image folds back over itself; infinite where it never does.
 
-        Examples
-        --------
         >>> round(BrownConrady(k1=-1 / 3).fold, 6), BrownConrady(k1=0.1).fold
         (1.0, inf)
         """
@@ -89,8 +83,6 @@ class BrownConrady(NamedTuple):
     def reaches(self, radius: float) -> bool:
         """True if anything is imaged as far out as that, before the image folds over.
 
-        Examples
-        --------
         >>> BrownConrady(k1=-0.3).reaches(0.5), BrownConrady(k1=-0.3).reaches(0.8)
         (True, False)
         """

@@ -25,8 +25,6 @@ class ImageGeometry:
     The image may be a crop of the sensor: radii still run over the *full* sensor's half diagonal, and rows
     are read out where they lie on the sensor.
 
-    Examples
-    --------
     >>> full = ImageGeometry(640, 480, focal_length_px=1000, centre_px=(319.5, 239.5), pixel_um=3)
     >>> full.half_diagonal_px
     400.0

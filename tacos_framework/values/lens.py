@@ -42,8 +42,6 @@ class Lens:
     Sources: Kannala and Brandt 2006, "A generic camera model and calibration method", IEEE Trans. PAMI 28(8);
     Ray 2002, "Applied photographic optics", on the other projections of fisheyes.
 
-    Examples
-    --------
     >>> fisheyes = ("equidistant", "equisolid", "stereographic")
     >>> [round(float(Lens(name).radius(math.pi / 2)), 3) for name in fisheyes]
     [1.571, 1.414, 2.0]
@@ -150,8 +148,6 @@ class Lens:
     def field_of_view_deg(self, size: float) -> float:
         """The angle across a length of the image about its principal point [focal lengths to deg].
 
-        Examples
-        --------
         >>> Lens().field_of_view_deg(2.0), round(Lens("equidistant").field_of_view_deg(math.pi), 9)
         (90.0, 180.0)
         """

@@ -38,8 +38,6 @@ class DesignSpace:
     - `variables`: in the order in which their genes stand; none at all is allowed (a product that leaves
       nothing free).
 
-    Examples
-    --------
     >>> lens = Categorical("lens", ("wide", "tele"))
     >>> space = DesignSpace([Continuous("focal_length_mm", 1, 20, "mm"), lens])
     >>> candidate = space.decode([30.0, 0.8])

@@ -15,6 +15,7 @@ if find_spec("mkdocs") is None:
 
 from mkdocs.config.defaults import MkDocsConfig
 
+from scripts.site_examples import with_heading
 from scripts.site_pages import api_pages, names_for_users, navigation, on_config
 
 DOCS = ROOT / "docs"
@@ -45,3 +46,8 @@ def test_page_of_users_names_what_tacos_exports() -> None:
     import tacos
 
     assert {name.rpartition(".")[2] for name in names_for_users()} == set(tacos.__all__) - {"__version__"}
+
+
+def test_examples_of_docstrings_have_their_heading_in_the_site() -> None:
+    shown = with_heading("Twice a number.\n\n>>> twice(2)\n4\n>>> twice(3)\n6")
+    assert shown == "Twice a number.\n\nExamples\n--------\n>>> twice(2)\n4\n>>> twice(3)\n6"

@@ -68,18 +68,12 @@ class Setup:
     ) -> NDArray[np.float64]:
         """(N, H, W) samples of green above the pedestal, in electrons of a photosite.
 
-        Parameters
-        ----------
-        pattern
-            The light.
-        effects
-            What acts.
-        electrons
-            Mean signal [e-].
-        size
-            Photosites: height and width.
-        full
-            Whether every photosite is simulated and averaged afterwards; else they are binned beforehand.
+        - `pattern`: the light.
+        - `effects`: what acts.
+        - `electrons`: mean signal [e-].
+        - `size`: photosites: height and width.
+        - `full`: whether every photosite is simulated and averaged afterwards; else they are binned
+          beforehand.
         """
         b = self.binning if binning is None else binning
         height, width = size

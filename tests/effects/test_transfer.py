@@ -82,35 +82,24 @@ def row_wave(images: NDArray[Any], binning: int) -> list[float]:
 
 @dataclass(frozen=True)
 class Case:
-    """An effect's parameter as found at `CAPTURED`, and what tells it.
-
-    Parameters
-    ----------
-    value
-        In pixels or digital numbers of the captured camera's photosites.
-    figures
-        What it changes.
-    settings
-        Of the effect, besides.
-    in_bars
-        Whether the light is in bars, rather than even.
-    electrons
-        Signal of the light [e-].
-    noise_dn
-        In place of them, so much light that its noise is this [DN].
-    excess
-        Whether figures count beyond those without the effect, as variances do.
-    """
+    """An effect's parameter as found at `CAPTURED`, and what tells it."""
 
     value: float
+    """In pixels or digital numbers of the captured camera's photosites."""
     figures: Figures
+    """What it changes."""
     settings: dict[str, Any] = field(default_factory=dict)
+    """Of the effect, besides."""
     in_bars: bool = False
+    """Whether the light is in bars, rather than even."""
     electrons: float = 2000.0
+    """Signal of the light [e-]."""
     noise_dn: float | None = None
+    """In place of them, so much light that its noise is this [DN]."""
     frames: int = 1
     size: tuple[int, int] = (240, 240)
     excess: bool = True
+    """Whether figures count beyond those without the effect, as variances do."""
 
 
 K = CAPTURED.context.dn_per_electron

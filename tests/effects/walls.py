@@ -16,21 +16,15 @@ WAVES = 12
 
 @dataclass(frozen=True)
 class Wall:
-    """A wall in the plane x = `distance_m`, from side to side by `half_m` about y = 0 and z = 1.5 m.
-
-    Parameters
-    ----------
-    finest
-        Most waves of its light over a metre [1/m].
-    way
-        How it moves by itself, from where it stands.
-    """
+    """A wall in the plane x = `distance_m`, from side to side by `half_m` about y = 0 and z = 1.5 m."""
 
     distance_m: float
     half_m: float
     object_id: int = 0
     finest: float = 3.0
+    """Most waves of its light over a metre [1/m]."""
     way: Trajectory | None = None
+    """How it moves by itself, from where it stands."""
 
     def light(self, y: NDArray[np.float64], z: NDArray[np.float64]) -> NDArray[np.float64]:
         """Luminance at places of it, around 1 [cd/m2]."""

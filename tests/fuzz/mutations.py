@@ -47,10 +47,8 @@ VALUES = (
 def damaged(content: bytes, draw: random.Random, *, structure: str = "") -> bytes:
     """A file with one to three pieces of damage.
 
-    Parameters
-    ----------
-    structure
-        ``json`` or ``glb``, where entries of the tree inside may be damaged too; empty for bytes alone.
+    `structure`: ``json`` or ``glb``, where entries of the tree inside may be damaged too; empty for bytes
+    alone.
     """
     if structure and draw.random() < 0.6:
         return _in_tree(content, draw, structure)

@@ -22,27 +22,18 @@ LIMIT_S = 300.0
 
 @dataclass(frozen=True)
 class Protection:
-    """A line that protects, and the test that notices when it is gone.
-
-    Parameters
-    ----------
-    promise
-        What would no longer hold.
-    file
-        Where the line is.
-    line
-        A piece of it, which the file has once.
-    without
-        What stands there when it no longer protects.
-    test
-        Its test.
-    """
+    """A line that protects, and the test that notices when it is gone."""
 
     promise: str
+    """What would no longer hold."""
     file: str
+    """Where the line is."""
     line: str
+    """A piece of it, which the file has once."""
     without: str
+    """What stands there when it no longer protects."""
     test: str
+    """Its test."""
 
 
 PROTECTIONS = (

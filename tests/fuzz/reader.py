@@ -12,30 +12,20 @@ from tacos_framework.errors import UserError
 
 @dataclass(frozen=True)
 class Reader:
-    """A way to read one kind of file.
-
-    Parameters
-    ----------
-    suffix
-        How the file's name ends.
-    read
-        Reads it, as far as its users do.
-    example
-        Makes a small whole file.
-    structure
-        What `tests.fuzz.mutations.damaged` knows of its inside; empty for bytes alone.
-    whole_or_fault
-        Whether every file that lacks its end must be refused.
-    share
-        Which part of the inputs it is given: less for those that take long [1].
-    """
+    """A way to read one kind of file."""
 
     suffix: str
+    """How the file's name ends."""
     read: Callable[[Path], object]
+    """Reads it, as far as its users do."""
     example: Callable[[], bytes]
+    """Makes a small whole file."""
     structure: Literal["", "json", "glb"] = ""
+    """What `tests.fuzz.mutations.damaged` knows of its inside; empty for bytes alone."""
     whole_or_fault: bool = False
+    """Whether every file that lacks its end must be refused."""
     share: float = 1.0
+    """Which part of the inputs it is given: less for those that take long [1]."""
 
 
 def read_or_refuse(reader: Reader, content: bytes, folder: Path) -> object | UserError:

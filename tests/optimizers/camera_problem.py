@@ -31,12 +31,7 @@ RIG = MonocularRig(MonocularRig.Config())
 class CameraProblem:
     """The design problem and its simulator.
 
-    Parameters
-    ----------
-    seed
-        Of the scenes and of the noise.
-    episodes
-        Number of scenes.
+    `seed`: of the scenes and of the noise. `episodes`: number of scenes.
     """
 
     def __init__(self, seed: int, episodes: int = 4, scheme: str = "quantized") -> None:

@@ -31,8 +31,6 @@ class KeptCode(FunctionCache):
 def made_of(loop: Callable[..., Any]) -> str:
     """A key of the constants and the compiled loops, with theirs, that a loop reads from its module.
 
-    Examples
-    --------
     >>> width = 3
     >>> def area(height):
     ...     return width * height

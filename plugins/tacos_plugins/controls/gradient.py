@@ -81,8 +81,6 @@ def gradient_information(image: NDArray[np.float32], threshold: float, emphasis:
 
     `image`: (H, W) within 0..1. `threshold`, `emphasis`: sigma and lambda [1].
 
-    Examples
-    --------
     >>> step = np.repeat(np.float32([[0, 0, 1, 1]]), 4, axis=0)
     >>> gradient_information(step, 0.06, 1000.0) > gradient_information(step / 2, 0.06, 1000.0) > 0
     True

@@ -46,8 +46,6 @@ class ExposureLimits(Settings):
 
         `signal_s`: exposure time times gain as a factor [s]. `f_number`: of the lens [1].
 
-        Examples
-        --------
         >>> limits = ExposureLimits(longest_ms=10, highest_gain_db=20)
         >>> chosen = [limits.exposure(signal_s, f_number=2.0) for signal_s in (0.005, 0.02, 9)]
         >>> [(each.time_s, round(each.gain_db, 1)) for each in chosen]
@@ -62,8 +60,6 @@ class ExposureLimits(Settings):
 def signal_shares(frame_dn: NDArray[np.unsignedinteger], context: ImageContext) -> NDArray[np.float32]:
     """(H, W) luminance of a linear frame over full scale, 0 at the pedestal [1].
 
-    Examples
-    --------
     >>> signal_shares(np.full((1, 1, 3), 255, np.uint8), ImageContext()).tolist()
     [[1.0]]
     """

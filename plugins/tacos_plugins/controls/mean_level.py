@@ -22,8 +22,6 @@ class MeanLevel:
     What is asked of the camera is given as exposure time first, and as gain where the time is at its limit.
     A frame that is full tells less than the truth, so coming into bright light takes longer.
 
-    Examples
-    --------
     >>> control = MeanLevel(MeanLevel.Config(target=0.2, lag_frames=0))
     >>> frame = np.full((4, 4, 1), 102, np.uint8)  # 0.4 of full scale, one stop too bright
     >>> round(control.adjust(frame, exposure=Exposure(0.010), context=ImageContext()).time_s, 6)

@@ -29,8 +29,6 @@ class AutoExposure:
     change, in stops, that is evened out. That needs no absolute level, so a diagnosis can find it in
     sequences. `first` is for a camera that has not settled as the episode begins.
 
-    Examples
-    --------
     A white wall (reflectance 0.8) at 20 lux, f/2 and 30 ms gives 30 mlx s; half of it is one stop less:
 
     >>> effect = AutoExposure(AutoExposure.Config(target_mlx_s=15.0))
@@ -147,8 +145,6 @@ def followed_from(
 
     Returns: (N,) float64 [1].
 
-    Examples
-    --------
     >>> lag_frames = 1 / math.log(2)
     >>> followed_from(None, np.array([1.0, 4.0, 4.0]), lag_frames).round(3).tolist()
     [1.0, 2.0, 2.828]

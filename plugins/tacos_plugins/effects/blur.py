@@ -64,8 +64,6 @@ def kernel_of(transfer: Transfer, reach_px: float) -> NDArray[np.float64]:
 
     Returns: (K, K) float64 with K odd and sum 1.
 
-    Examples
-    --------
     >>> kernel = kernel_of(gaussian_transfer(0.4), reach_px=2)
     >>> offset = np.arange(len(kernel)) - len(kernel) // 2
     >>> round(float(kernel.sum(axis=0) @ offset**2), 3)  # its variance, 0.4^2, whatever the pixels

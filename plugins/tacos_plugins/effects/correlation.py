@@ -14,8 +14,6 @@ def correlate(frames: NDArray[np.floating], kernel: NDArray[np.float64]) -> NDAr
 
     Returns: same shape and dtype.
 
-    Examples
-    --------
     >>> spike = np.zeros((1, 3, 3, 1))
     >>> spike[0, 1, 1, 0] = 9.0
     >>> correlate(spike, np.full((3, 3), 1 / 9))[0, :, :, 0].round(9).tolist()

@@ -35,8 +35,6 @@ def signed_radius(
 
     Returns: same shape, within `LARGEST_RADIUS_PX` [px].
 
-    Examples
-    --------
     A 50 mm lens at f/2 focused on 2 m, pixels of 5 um; the textbook gives 0.641 mm across for infinity:
 
     >>> geometry = ImageGeometry(8, 8, focal_length_px=1e4, centre_px=(3.5, 3.5), pixel_um=5)

@@ -22,8 +22,6 @@ def disc_kernel(radius_px: float) -> NDArray[np.float64]:
 
     Returns: (K, K) float64 with K odd: never negative, sum 1, the same in its eight reflections.
 
-    Examples
-    --------
     >>> disc_kernel(0.4).round(3).tolist()  # 0.4^2 / 4 = 2 * 0.02
     [[0.0, 0.02, 0.0], [0.02, 0.92, 0.02], [0.0, 0.02, 0.0]]
     >>> kernel = disc_kernel(5.0)

@@ -61,8 +61,6 @@ def light_plane(geometry: ImageGeometry, gx: float, gy: float) -> NDArray[np.flo
 
     Returns: (H, W) float64, never below 0 [1].
 
-    Examples
-    --------
     >>> geometry = ImageGeometry(4, 1, focal_length_px=4.0, centre_px=(1.5, 0.0), pixel_um=3)
     >>> light_plane(geometry, gx=0.4, gy=0.0).round(3).tolist()
     [[0.85, 0.95, 1.05, 1.15]]

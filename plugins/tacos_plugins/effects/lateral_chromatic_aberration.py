@@ -66,8 +66,6 @@ def magnified_source(geometry: ImageGeometry, constant: float, square: float) ->
 
     Returns: (H, W) columns and rows [px].
 
-    Examples
-    --------
     >>> geometry = ImageGeometry(201, 1, focal_length_px=100, centre_px=(100.0, 0.0), pixel_um=3)
     >>> x, _ = magnified_source(geometry, constant=0.01, square=0.0)
     >>> round(float(x[0, 200]), 3)  # 100 / 1.01 from the middle

@@ -22,8 +22,6 @@ def mosaic_channels(cfa: str, height_px: int, width_px: int) -> NDArray[np.intp]
 
     Returns: (H, W), 0 for red, 1 for green, 2 for blue; read-only.
 
-    Examples
-    --------
     >>> mosaic_channels("RGGB", 2, 4).tolist()
     [[0, 1, 0, 1], [1, 2, 1, 2]]
     """

@@ -26,8 +26,6 @@ def moments_behind(
     `curve`: maps an array of samples to one of the same shape [DN]. `mean_dn`, `variance_dn2`: moments of x;
     they broadcast [DN, DN^2].
 
-    Examples
-    --------
     >>> mean, variance = moments_behind(lambda x: 2 * x + 1, np.array([10.0]), np.array([4.0]))
     >>> mean.round(9).tolist(), variance.round(9).tolist()
     ([21.0], [16.0])

@@ -104,8 +104,6 @@ class Quantisation:
 def excess_dn2(step_dn: float, photosites: float) -> float:
     """Variance of the rounding of an average beyond that of whole digital numbers [DN^2].
 
-    Examples
-    --------
     >>> excess_dn2(4.0, 1.0), excess_dn2(4.0, 4.0)
     (1.25, 0.3125)
     """

@@ -17,8 +17,6 @@ def even_polynomial(radius: NDArray[np.float64], *coefficients: float) -> NDArra
 
     `radius`: over half the sensor's diagonal, any shape [1]. `coefficients`: k1, k2, ... [1].
 
-    Examples
-    --------
     >>> even_polynomial(np.array([0.0, 0.5, 1.0]), -0.4).tolist()
     [1.0, 0.9, 0.6]
     """

@@ -106,8 +106,6 @@ class ReadNoise:
 def tail_of_mean(tail: float, photosites: float) -> float:
     """The tail of the mean of so many photosites: that of Student's t of the mean's excess kurtosis.
 
-    Examples
-    --------
     >>> tail_of_mean(0.2, 1.0), round(tail_of_mean(0.2, 16.0), 9)
     (0.2, 0.05)
     """

@@ -28,8 +28,6 @@ def amplitudes(
 
     Returns: (N, K) amplitudes, in the unit of the profiles.
 
-    Examples
-    --------
     >>> rows = np.arange(200)
     >>> profile = 1 + 0.3 * np.sin(2 * np.pi * rows / 31.0 + 0.7)
     >>> amplitudes(profile[None], [31.0, 12.0]).round(1).tolist()

@@ -104,8 +104,6 @@ def cut_off_moments(mean_dn: ArrayLike, variance_dn2: ArrayLike, level_dn: float
 
     `mean_dn`, `variance_dn2`: moments of x; they broadcast [DN, DN^2]. `level_dn`: where x is cut off [DN].
 
-    Examples
-    --------
     At the level, half of the noise is left:
 
     >>> mean, variance = cut_off_moments(100.0, 4.0, 100.0)

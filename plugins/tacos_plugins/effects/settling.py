@@ -25,8 +25,6 @@ def settling(first: float, lag_frames: float, start: int, count: int) -> NDArray
 
     Returns: (count,) float64 [1].
 
-    Examples
-    --------
     >>> settling(4.0, lag_frames=1 / math.log(2), start=0, count=3).round(3).tolist()
     [4.0, 2.0, 1.414]
     """
@@ -42,8 +40,6 @@ LAGS_FRAMES = np.geomspace(0.3, 30.0, 41)
 def settling_of(factors: NDArray[np.float64]) -> tuple[float, float]:
     """First factor, over the settled one, and lag [frame] that come nearest to (N,) factors, in stops.
 
-    Examples
-    --------
     >>> first, lag_frames = settling_of(90.0 * settling(0.7, 1.5, start=0, count=6))
     >>> round(first, 2), round(lag_frames, 1)
     (0.7, 1.5)

@@ -26,8 +26,6 @@ def affinity_of(job: Any) -> Affinity:
 def making(needs: Affinity, at_hand: Collection[Affinity], anywhere: Collection[Affinity]) -> Making:
     """The things a worker has to make for a job, by what it has at hand, and what any worker has.
 
-    Examples
-    --------
     >>> making("attic", at_hand={"cellar"}, anywhere={"attic", "cellar"})
     'again'
     """
@@ -85,8 +83,6 @@ def assigned(
     - `busy`: what the other workers have at hand.
     - `cost_of_making`: see `JobTimes`; at 1 no worker idles while a job waits.
 
-    Examples
-    --------
     >>> assigned(["attic", "cellar"], idle=[set(), {"attic"}], busy=set())
     {1: 0, 0: 1}
     >>> assigned(["attic", "attic"], idle=[set()], busy={"attic"})

@@ -14,8 +14,6 @@ Result = TypeVar("Result")
 class LocalExecutor:
     """Evaluates jobs one after another, here: nothing is copied, and a debugger sees everything.
 
-    Examples
-    --------
     >>> list(LocalExecutor(LocalExecutor.Config()).map(abs, [-1, 2, -3]))
     [1, 2, 3]
     """

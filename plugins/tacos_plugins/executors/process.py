@@ -27,8 +27,6 @@ class ProcessExecutor(PoolExecutor):
 
     `close`, Ctrl-C and the death of this process end all workers at once, whatever they are doing.
 
-    Examples
-    --------
     >>> executor = ProcessExecutor(ProcessExecutor.Config(workers=2))
     >>> list(executor.map(abs, [-1, 2, -3]))
     [1, 2, 3]

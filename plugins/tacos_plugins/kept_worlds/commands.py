@@ -53,8 +53,6 @@ def size_bytes(text: str) -> int:
 
     Raises `UserError` when it is none.
 
-    Examples
-    --------
     >>> size_bytes("20 GB"), size_bytes("1.5gb"), size_bytes("0")
     (20000000000, 1500000000, 0)
     """
@@ -69,8 +67,6 @@ def size_bytes(text: str) -> int:
 def _size(size: int) -> str:
     """A size for people to read.
 
-    Examples
-    --------
     >>> _size(27_300_000), _size(0)
     ('27.3 MB', '0.0 MB')
     """

@@ -24,8 +24,6 @@ def taken_apart(value: Any, classes: Sequence[type[Any]]) -> tuple[Any, list[Arr
 
     Raises `CannotBeKept` when anything else occurs in it.
 
-    Examples
-    --------
     >>> taken_apart((1.5, None), [])
     ({'tuple': [1.5, None]}, [])
     """

@@ -189,8 +189,6 @@ class CalibrateNoise:
 def assumed_responsivity(gain_db: float, bit_depth: int) -> float:
     """Responsivity at a gain that makes images as bright as with the shipped calibration [DN/(lux s)].
 
-    Examples
-    --------
     >>> round(assumed_responsivity(15.0, 8), 1)  # that of flea3_imx172
     21081.9
     """

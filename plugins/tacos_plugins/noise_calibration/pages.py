@@ -18,8 +18,6 @@ _WIDEST_PX = 900
 def shown(value: float, interval: Sequence[float] | None = None) -> str:
     """A number with three digits, and its interval.
 
-    Examples
-    --------
     >>> shown(0.23994, (0.2379, 0.2419))
     '0.240 (0.238 to 0.242)'
     """

@@ -44,8 +44,6 @@ class CmaEs:
     CMA-ES" (bipop); Hamano et al. 2022, "CMA-ES with Margin", for the lower bound on discrete genes, here in
     the simpler form of a least standard deviation. The implementation is pycma.
 
-    Examples
-    --------
     >>> from tacos_framework.variables.design_space import Continuous
     >>> space = DesignSpace([Continuous("hfov_deg", 50, 120, "deg"), Continuous("baseline_m", 0.01, 3, "m")])
     >>> search = CmaEs(CmaEs.Config(evaluations=80), space=space, rng=np.random.default_rng(1))

@@ -40,8 +40,6 @@ class Genetic:
     Source: the paper, Sec. 4.2, 4.3 and supplement, "Genetic Algorithm Implementation"; Holland 1992,
     "Adaptation in natural and artificial systems". Defaults are those of the monocular study.
 
-    Examples
-    --------
     >>> from tacos_framework.variables.design_space import Continuous
     >>> space = DesignSpace([Continuous("hfov_deg", 50, 120, "deg"), Continuous("baseline_m", 0.01, 3, "m")])
     >>> config = Genetic.Config(

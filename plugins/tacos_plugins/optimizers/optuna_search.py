@@ -53,8 +53,6 @@ class OptunaSearch:
     Sources: Akiba et al. 2019, "Optuna"; Bergstra et al. 2011, "Algorithms for hyper-parameter optimization"
     (tpe); Ament et al. 2023, "Unexpected improvements to expected improvement" (gp).
 
-    Examples
-    --------
     >>> from tacos_framework.variables.design_space import Continuous
     >>> space = DesignSpace([Continuous("baseline_m", 0.01, 3, "m")])
     >>> config = OptunaSearch.Config(evaluations=40)

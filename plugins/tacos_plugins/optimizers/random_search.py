@@ -13,8 +13,6 @@ from tacos_plugins.optimizers.draws import Draws
 class RandomSearch(Draws):
     """Draws every candidate afresh from the whole design space: the baseline any search must beat.
 
-    Examples
-    --------
     >>> from tacos_framework.contracts import Evaluated
     >>> from tacos_framework.variables.design_space import Continuous
     >>> space = DesignSpace([Continuous("pitch_deg", -30, 30, "deg")])

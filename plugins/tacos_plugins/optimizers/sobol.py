@@ -22,8 +22,6 @@ class Sobol(Draws):
     Sources: Sobol 1967; Owen 1998, "Scrambling Sobol' and Niederreiter-Xing points". The implementation is
     SciPy's.
 
-    Examples
-    --------
     >>> from tacos_framework.variables.design_space import Continuous
     >>> space = DesignSpace([Continuous("pitch_deg", -30, 30, "deg")])
     >>> search = Sobol(Sobol.Config(evaluations=4, batch=4), space=space, rng=np.random.default_rng(1))

@@ -14,8 +14,6 @@ class UnitCube:
     Continuous genes fill the interval from their lower to their upper bound. Integers and choices each get an
     equal share of it, the first and the last as much as any other.
 
-    Examples
-    --------
     >>> from tacos_framework.variables.design_space import Categorical, Continuous
     >>> lens = Categorical("lens", ("wide", "normal", "tele"))
     >>> cube = UnitCube(DesignSpace([Continuous("pitch_deg", -30, 30, "deg"), lens]))

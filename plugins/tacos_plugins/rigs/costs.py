@@ -76,8 +76,6 @@ def frame_rate_fps(sensor: SensorPart, *, rows: int, product: ProductPart | None
 
     `rows`: rows of photosites that are read of each frame.
 
-    Examples
-    --------
     >>> imx290 = SensorPart(width_px=1920, height_px=1080, pixel_um=2.9, row_time_us=14.81, frame_lines=1125)
     >>> [round(frame_rate_fps(imx290, rows=rows), 1) for rows in (1080, 540)]
     [60.0, 115.4]

@@ -18,8 +18,6 @@ class FrontBackSidesRig:
     They are called ``front``, ``left``, ``right`` and ``back``. All have the same sensor; the one ahead has a
     field of view of its own, as it may look farther than the others.
 
-    Examples
-    --------
     >>> builder = FrontBackSidesRig(FrontBackSidesRig.Config())
     >>> vga = {"width_px": 640, "height_px": 480, "pixel_um": 4.8}
     >>> variables = FrontBackSidesRig.Variables(

@@ -95,8 +95,6 @@ def derived_fit(lens: LensPart, sensor: SensorPart) -> dict[str, float]:
     fisheyes, whose circle may be seen whole; ``mount_fits`` 1 where cameras with this sensor are sold with a
     mount that takes the lens, else 0.
 
-    Examples
-    --------
     >>> sensor = SensorPart(width_px=4000, height_px=3000, pixel_um=1.0, mounts="CS, M12")
     >>> derived_fit(LensPart(focal_length_mm=4, image_circle_mm=6, mount="C"), sensor)
     {'image_circle_margin_mm': 1.0, 'mount_fits': 1.0}

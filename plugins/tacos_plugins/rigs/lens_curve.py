@@ -20,8 +20,6 @@ def lens_of_curve(curve: str) -> tuple[float, Lens]:
     canopy photographs are calibrated. Kannala and Brandt's odd powers follow those of the catalog within 0.15
     % of R by least squares.
 
-    Examples
-    --------
     >>> scale, lens = lens_of_curve("r/R = 0.6391*t - 0.0252*t^2 + 0.0381*t^3 - 0.0214*t^4")
     >>> round(scale, 3), round(lens.half_field_deg, 1)
     (0.993, 94.7)

@@ -32,8 +32,6 @@ from tacos_plugins.rigs.product import (
 class MonocularRig:
     """One camera, ``camera``, straight above the agent's eye, pitched up or down.
 
-    Examples
-    --------
     >>> builder = MonocularRig(MonocularRig.Config(binning=4))
     >>> flea3 = {"width_px": 4000, "height_px": 3000, "pixel_um": 1.55}
     >>> variables = MonocularRig.Variables(focal_length_mm=3.6, sensor=flea3)

@@ -147,8 +147,6 @@ def image_coordinates(sensor: SensorPart, optics: Optics, pitch_deg: float) -> d
     Angles say what is in view. Pixel counts and pitch count by their ratios: from 1 to 2 um changes noise as
     much as from 4 to 8 um. Shutter and filters are those that are simulated where nobody states them.
 
-    Examples
-    --------
     >>> vga = SensorPart(width_px=640, height_px=480, pixel_um=4.0)
     >>> {name: round(value, 2) for name, value in image_coordinates(vga, Optics(2.0), -5.0).items()}
     ... # doctest: +NORMALIZE_WHITESPACE

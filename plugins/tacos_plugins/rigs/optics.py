@@ -34,8 +34,6 @@ class Optics:
     def field_of_view_deg(self, size_mm: float) -> float:
         """The angle across a length of the sensor about its middle [mm to deg].
 
-        Examples
-        --------
         >>> round(Optics(3.6).field_of_view_deg(6.2), 2)  # FLIR Flea3
         81.46
         >>> round(Optics(1.8, Lens("equidistant")).field_of_view_deg(5.7), 1)
@@ -46,8 +44,6 @@ class Optics:
     def dark_share(self, width_mm: float, height_mm: float) -> float:
         """Share of a sensor beyond the image circle, about its middle [1].
 
-        Examples
-        --------
         >>> import math
         >>> round(Optics(1.0, Lens("equidistant", half_field_deg=90)).dark_share(math.pi, math.pi), 2)
         0.21
@@ -72,8 +68,6 @@ def optics_for(size_mm: float, field_deg: float, lens: Lens) -> Optics:
 
     Raises `ValueError` where the lens has no such field of view.
 
-    Examples
-    --------
     >>> round(optics_for(2.0, 90.0, Lens()).focal_length_mm, 12)
     1.0
     """

@@ -32,8 +32,6 @@ def prices_of(row: Mapping[str, Any]) -> dict[str, float]:
 
     Raises `ValueError` where a column ends in no currency.
 
-    Examples
-    --------
     >>> prices_of({"name": "A", "price_eur": 40.5, "price_usd": None, "price_date": "2026-02"})
     {'eur': 40.5}
     """
@@ -55,8 +53,6 @@ def total_prices(parts: Iterable[Mapping[str, float]], per_euro: Mapping[str, fl
     `parts`: of each part its prices by currency. `per_euro`: what one euro is in other currencies; without
     it, prices in two currencies are not added.
 
-    Examples
-    --------
     >>> total_prices([{"eur": 40.0}, {"usd": 11.0}], {})
     {}
     >>> {k: round(v, 6) for k, v in total_prices([{"eur": 40.0}, {"usd": 11.0}], {"usd": 1.1}).items()}

@@ -20,8 +20,6 @@ class RingRig:
     designed: candidates then differ in the number of their images, and tasks that take any number of cameras
     judge them.
 
-    Examples
-    --------
     >>> builder = RingRig(RingRig.Config(binning=2))
     >>> vga = {"width_px": 640, "height_px": 480, "pixel_um": 4.8}
     >>> variables = RingRig.Variables(cameras=4, hfov_deg=100, sensor=vga)

@@ -124,8 +124,6 @@ class SensorPart(PricedPart):
 
         What lies outside is not read: the field of view shrinks with the image, pixels stay as they are.
 
-        Examples
-        --------
         >>> region = SensorPart(width_px=4000, height_px=3000, pixel_um=1.55).region(0.5, 0.3337)
         >>> region.width_px, region.height_px, region.pixel_um
         (2000, 1002, 1.55)
@@ -146,8 +144,6 @@ class SensorPart(PricedPart):
 
         Electrons, full well and noise stay those of one photosite.
 
-        Examples
-        --------
         >>> binned = SensorPart(width_px=4001, height_px=3000, pixel_um=1.55).binned(2)
         >>> binned.width_px, binned.height_px, binned.pixel_um
         (2000, 1500, 3.1)
@@ -161,8 +157,6 @@ class SensorPart(PricedPart):
     def row_time_at_most_us(self) -> float | None:
         """Line time with which its rows just make its frame rate; None where that is not known [us].
 
-        Examples
-        --------
         >>> round(SensorPart(width_px=4056, height_px=3040, pixel_um=1.55, max_fps=60).row_time_at_most_us, 2)
         5.48
         """

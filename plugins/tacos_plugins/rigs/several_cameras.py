@@ -114,8 +114,6 @@ def coordinates_of_first(outlooks: Sequence[Outlook], variables: SeveralCamerasV
 def covered_deg(outlooks: Sequence[Outlook]) -> float:
     """The angle around the agent that some camera has in view, all seen from its axis [deg].
 
-    Examples
-    --------
     >>> covered_deg([Outlook("front", 0, 90), Outlook("left", 60, 90)])
     150.0
     >>> covered_deg([Outlook("front", 0, 90), Outlook("left", 90, 90), Outlook("back", 200, 170)])

@@ -38,8 +38,6 @@ class StereoRig:
     Rows of the two images correspond without rectification: a point at depth Z lies ``f B / Z`` pixels
     further left in the right image, f being the focal length in pixels and B the baseline.
 
-    Examples
-    --------
     >>> builder = StereoRig(StereoRig.Config())
     >>> sensor = {"width_px": 991, "height_px": 495, "pixel_um": 1.55}  # the paper's stereo camera
     >>> rig = builder.build(StereoRig.Variables(baseline_m=0.12, hfov_deg=72, sensor=sensor))

@@ -38,8 +38,6 @@ class AffineNoise:
 
     Rounding to whole digital numbers, which the framework does last, adds 1/12 DN^2, as in a real converter.
 
-    Examples
-    --------
     >>> sensor = AffineNoise(AffineNoise.Config(calibration="flea3_imx172"))
     >>> white_wall_cd_m2 = 0.8 * 20 / np.pi  # reflectance 0.8 at 20 lux
     >>> round(white_wall_cd_m2 * sensor.dn_per_luminance(Exposure(0.030, f_number=2.0, gain_db=5.0)))

@@ -52,8 +52,6 @@ class CameraSensor(Emva):
     priors), `tacos_plugins.sensors.mosaic_noise` (filters). The recipe `noise_over_gain` holds read noise
     over gain against real cameras.
 
-    Examples
-    --------
     >>> sensor = CameraSensor(CameraSensor.Config())
     >>> camera = Camera("camera", 640, 480, pixel_um=1.55, focal_length_mm=3.6)
     >>> [round(sensor.read_noise_e(camera, Exposure(gain_db=gain_db)), 2) for gain_db in (0, 12, 24)]

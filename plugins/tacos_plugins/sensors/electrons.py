@@ -58,8 +58,6 @@ def photons_per_luminance(
 
     Returns: mu_p / L [1 / (cd/m2)].
 
-    Examples
-    --------
     A white wall (reflectance 0.8) at 20 lux, f/2, 30 ms, on a pixel of 3.45 um:
 
     >>> import math
@@ -79,8 +77,6 @@ def system_gain(full_well_e: float, range_dn: float, gain_db: float) -> float:
 
     Returns: K [DN/e-].
 
-    Examples
-    --------
     >>> system_gain(10_000, 250, gain_db=20.0)
     0.25
     """
@@ -99,8 +95,6 @@ def photon_transfer_variance(
 
     Returns: variance; affine in the signal, with the slope K [DN^2].
 
-    Examples
-    --------
     >>> photon_transfer_variance([0.0, 100.0], 0.5, 4.0).tolist()
     [4.0, 54.0]
     """
@@ -130,8 +124,6 @@ def count_electrons(
 
     Returns: same shape, float32 [e-].
 
-    Examples
-    --------
     >>> rng = np.random.default_rng(1)
     >>> read = count_electrons(np.full(100_000, 400.0), full_well_e=1e4, read_noise_e=5.0, rng=rng)
     >>> round(float(read.mean())), round(float(read.var()), -1)  # 400 and 400 + 5^2, but for chance

@@ -48,8 +48,6 @@ class Emva:
 
     Source: `tacos_plugins.sensors.electrons`, which states the equations.
 
-    Examples
-    --------
     >>> known = {"full_well_e": 1e4, "read_noise_e": 2.5}  # as of a catalog
     >>> sensor = Emva(Emva.Config(quantum_efficiency=0.6, dark_current_e_s=5.0, **known))
     >>> camera = Camera("camera", 640, 480, pixel_um=3.45, focal_length_mm=4.0)

@@ -32,8 +32,6 @@ def averaged_variances(binning: float) -> tuple[float, float, float]:
     Large blocks have n b^2 photosites of their own; small ones share some with their neighbours. It is exact
     for whole b, and within 5 % between them.
 
-    Examples
-    --------
     >>> [round(each, 3) for each in averaged_variances(1)]
     [0.562, 0.625, 0.562]
     >>> [round(100**2 * each, 1) for each in averaged_variances(100)]

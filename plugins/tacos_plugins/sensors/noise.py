@@ -46,8 +46,6 @@ def gain_ratio(
 
     Returns: r [1].
 
-    Examples
-    --------
     Flea3 (1.55 um) calibrated at 15 dB:
 
     >>> round(gain_ratio(5, 1.55, calibrated_gain_db=15, calibrated_pixel_um=1.55), 4)
@@ -77,8 +75,6 @@ def affine_variance(
 
     Returns: variance; the arguments broadcast [DN^2].
 
-    Examples
-    --------
     Green of the Flea3 at 5 dB and half of full scale, for three pitches:
 
     >>> for pixel_um in (1.55, 3.45, 6.6):
@@ -97,8 +93,6 @@ def affine_variance(
 def signal_to_noise_db(signal_dn: ArrayLike, variance_dn2: ArrayLike) -> NDArray[np.float64]:
     """Signal-to-noise ratio, 20 log10(mean / standard deviation) [dB].
 
-    Examples
-    --------
     >>> signal_to_noise_db(100.0, 1.0).item()
     40.0
     """

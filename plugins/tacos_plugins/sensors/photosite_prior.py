@@ -70,8 +70,6 @@ def assumed(figure: str, *, sensor: str, pixel_um: float, draw: Draw) -> float:
 
     `figure`: a name in `PRIORS`. `draw`: ``(0,)`` is the middle of the prior, others are draws of it.
 
-    Examples
-    --------
     >>> round(assumed("full_well_e", sensor="IMX172", pixel_um=1.55, draw=(0,)))
     5281
     >>> assumed("full_well_e", sensor="A", pixel_um=3, draw=(1,)) == assumed(
@@ -94,8 +92,6 @@ def deviate(figure: str, *, sensor: str, draw: Draw) -> float:
 def assumed_from(figure: str) -> str:
     """Origin of an assumed figure, and the scatter of sensors about it, in a phrase.
 
-    Examples
-    --------
     >>> assumed_from("read_noise_e")
     'assumed from 28 sensors, within a factor of 1.8 in two of three'
     """

@@ -16,8 +16,6 @@ NO_WIDTH = 1e-9
 class CoordinateSystem:
     """Names of coordinates, and the range of each that is scaled to 0..1.
 
-    Examples
-    --------
     >>> system = CoordinateSystem.spanning([{"hfov_deg": 50.0, "pitch_deg": 0.0}, {"hfov_deg": 90.0}])
     >>> system.rows([{"hfov_deg": 60.0, "pitch_deg": 0.0}, {"hfov_deg": 90.0}]).tolist()
     [[0.25, 0.0], [1.0, nan]]

@@ -40,8 +40,6 @@ class GreyBox:
     The fitness is a known weighted sum; only the scores have to be learnt, each with its own length scales,
     noise and transform. Build one with :meth:`fit`.
 
-    Examples
-    --------
     >>> from tacos_framework.fitness import FitnessTerm
     >>> fovs_deg = np.linspace(30, 120, 12)
     >>> observations = [

@@ -119,8 +119,6 @@ class Logit:
 def counted(shares: Array) -> int | None:
     """Of how many, at least, these are shares; None where of many, or of no whole number.
 
-    Examples
-    --------
     >>> counted(np.array([0.0, 1.0, 0.5, 1.0])), counted(np.array([1 / 3, 0.5])), counted(np.array([0.273]))
     (2, 6, None)
     """

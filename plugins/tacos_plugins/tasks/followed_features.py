@@ -167,8 +167,6 @@ def grey_image(
 
     Returns: (H, W) uint8, rounded; what lies below black is 0 [1/255 of full scale].
 
-    Examples
-    --------
     >>> frame = np.array([[[64, 64, 64], [2080, 2080, 2080], [4095, 4095, 4095]]], np.uint16)
     >>> grey_image(frame, black_level_dn=64, white_level_dn=4095).tolist()
     [[0, 128, 255]]

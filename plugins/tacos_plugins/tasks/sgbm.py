@@ -109,8 +109,6 @@ class SgbmScorer:
 def searched_disparities(pair: StereoPair, *, nearest_m: float, max_disparity: int) -> int:
     """Number of disparities to search, a multiple of 16 [px].
 
-    Examples
-    --------
     >>> pair = StereoPair(0, 1, width_px=640, height_px=480, focal_length_px=500, baseline_m=0.12)
     >>> searched_disparities(pair, nearest_m=2, max_disparity=192)
     32
@@ -122,8 +120,6 @@ def searched_disparities(pair: StereoPair, *, nearest_m: float, max_disparity: i
 def filled(disparity_px: NDArray[np.float32]) -> NDArray[np.float32]:
     """A disparity map without gaps, which are below 0; see `Sgbm`.
 
-    Examples
-    --------
     >>> filled(np.float32([[5, -1, 3], [-1, -1, -1]])).tolist()
     [[5.0, 3.0, 3.0], [5.0, 3.0, 3.0]]
     """

@@ -128,8 +128,6 @@ def covered_share(
     - `least_px_per_deg`: photosites to the degree that a direction must be seen with, in whichever way it has
       fewest [px/deg].
 
-    Examples
-    --------
     >>> from tacos_framework.testing.samples import sample_rig
     >>> share = covered_share(sample_rig().cameras, elevation_deg=20, least_px_per_deg=0)  # 90 degrees wide
     >>> abs(share - 90 / 360) < 0.01

@@ -78,8 +78,6 @@ def averaged(
 
     Returns: (N, height_px, width_px, C) float32.
 
-    Examples
-    --------
     >>> ramp = np.arange(6.0).reshape(1, 1, 6, 1)
     >>> averaged(np.tile(ramp, (1, 6, 1, 1)), 4, 4, pixels=1.5)[0, 0, :, 0].astype(float).round(3).tolist()
     [0.333, 1.667, 3.333, 4.667]

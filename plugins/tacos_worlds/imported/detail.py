@@ -23,11 +23,7 @@ def simplified(patches: Sequence[Patch], eyes_m: NDArray[np.float64], most: int)
 
     Patches are cut into rings around the walkable floor. Where all is too much, each ring may keep triangles
     in proportion to what it has and to one over its distance, as errors look smaller from afar. Quadric
-    errors choose what goes [1]_.
-
-    References
-    ----------
-    .. [1] Garland and Heckbert (1997), Surface simplification using quadric error metrics.
+    errors choose what goes (Garland and Heckbert, 1997, Surface simplification using quadric error metrics).
     """
     if sum(len(patch.triangles) for patch in patches) <= most:
         return list(patches)

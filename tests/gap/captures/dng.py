@@ -15,12 +15,7 @@ CODES = {BYTE: "B", ASCII: "c", SHORT: "H", LONG: "I", RATIONAL: "II", SRATIONAL
 def dng(samples: np.ndarray, more: Mapping[int, tuple[int, Any]] | None = None) -> bytes:
     """An uncompressed 16-bit DNG of an RGGB mosaic (Adobe, Digital Negative Specification).
 
-    Parameters
-    ----------
-    samples
-        (H, W) its samples.
-    more
-        Tags beside its own, or in their place: type and values.
+    `samples`: (H, W) its samples. `more`: tags beside its own, or in their place: type and values.
     """
     height, width = samples.shape
     matrix = [value for row in np.eye(3, dtype=int).tolist() for one in row for value in (one, 1)]

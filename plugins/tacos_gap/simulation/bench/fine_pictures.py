@@ -31,8 +31,6 @@ def drawn_finer(take: Callable[..., Capture], *, rig: Rig) -> Capture:
 def finer(camera: Camera) -> Camera:
     """A camera at the same place that sees the same in finer pixels.
 
-    Examples
-    --------
     >>> camera = finer(Camera("c", 640, 480, pixel_um=3.0, focal_length_mm=3.0))
     >>> camera.width_px, camera.centre_px, camera.pixel_um
     (1920, (959.5, 719.5), 1.0)

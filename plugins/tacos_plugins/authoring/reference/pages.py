@@ -41,8 +41,6 @@ _BOUNDS = {"exclusiveMinimum": "> {}", "minimum": "≥ {}", "exclusiveMaximum": 
 def type_of(schema: Schema) -> str:
     """The values of a setting in words, from its JSON Schema.
 
-    Examples
-    --------
     >>> type_of({"type": "array", "prefixItems": [{"type": "number"}, {"type": "number"}]})
     '[number, number]'
     >>> type_of({"anyOf": [{"enum": ["day", "night"], "type": "string"}, {"type": "null"}]})
@@ -73,8 +71,6 @@ def type_of(schema: Schema) -> str:
 def bounds_of(schema: Schema) -> str:
     """The bounds of a setting, ``"≥ 0, < 1"``; empty where there are none.
 
-    Examples
-    --------
     >>> number_or_text = {"oneOf": [{"type": "number", "minimum": 0}, {"type": "string"}]}
     >>> bounds_of({"anyOf": [number_or_text, {"type": "null"}]})
     '≥ 0'

@@ -52,8 +52,6 @@ def recipe_schema(plugins: Plugins) -> RecipeSchema:
     wrong type or out of bounds, ports that are not wired. Whether names refer to something is left to
     ``tacos-run --check``.
 
-    Examples
-    --------
     >>> schema = recipe_schema(Plugins.discover()).schema
     >>> schema["$defs"]["rig.monocular"]["properties"]["focal_length_mm"]["description"]
     'Focal length of a lens yet to be found, instead of a lens. [mm]'

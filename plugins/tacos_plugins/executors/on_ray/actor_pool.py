@@ -135,8 +135,6 @@ class ActorPool(JobPool[_Member]):
 def _how(error: Exception) -> str:
     """The loss of a worker, in a few words out of Ray's many.
 
-    Examples
-    --------
     >>> _how(Exception("The actor died.\\nThe actor is dead because its node has died. Node Id: 1f"))
     'its node has died'
     """

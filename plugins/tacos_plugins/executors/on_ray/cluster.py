@@ -52,8 +52,6 @@ class Needs:
     def fits_into(self, node: Mapping[str, float]) -> int:
         """Number of workers that a node with these resources holds.
 
-        Examples
-        --------
         >>> Needs(cpus=2, gpus=0.5).fits_into({"CPU": 16.0, "GPU": 1.0})
         2
         """

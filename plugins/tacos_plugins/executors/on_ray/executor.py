@@ -30,8 +30,6 @@ class RayExecutor(PoolExecutor):
 
     Source: Moritz et al. 2018, "Ray: A distributed framework for emerging AI applications", OSDI.
 
-    Examples
-    --------
     As a recipe says it::
 
         executor: {use: executor.ray, address: auto, gpus_per_worker: 0.5}

@@ -49,8 +49,6 @@ class PhysicalGp:
     Sources: Jones et al. 1998, "Efficient global optimization of expensive black-box functions"; Astudillo
     and Frazier 2019, "Bayesian optimization of composite functions" (a process for each part of a known sum).
 
-    Examples
-    --------
     >>> from tacos_framework.variables.design_space import Continuous
     >>> space = DesignSpace([Continuous("baseline_m", 0.01, 3, "m")])
     >>> config = PhysicalGp.Config(evaluations=14)

@@ -56,8 +56,6 @@ class RewardScale:
 
     Welford's update; see Knuth, The Art of Computer Programming, vol. 2, 4.2.2.
 
-    Examples
-    --------
     >>> scale = RewardScale()
     >>> for fitness in (1.0, 2.0, 3.0):
     ...     scale.learn(fitness)

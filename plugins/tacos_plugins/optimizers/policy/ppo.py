@@ -39,8 +39,6 @@ class Ppo:
     Schulman et al. 2017, "Proximal policy optimization algorithms"; Raffin et al. 2021, "Stable-Baselines3",
     JMLR 22.
 
-    Examples
-    --------
     >>> from tacos_framework.variables.design_space import Continuous
     >>> space = DesignSpace([Continuous("hfov_deg", 50, 120, "deg"), Continuous("baseline_m", 0.01, 3, "m")])
     >>> search = Ppo(Ppo.Config(evaluations=8), space=space, rng=np.random.default_rng(1))

@@ -277,8 +277,6 @@ def _unlit(world: World) -> NDArray[np.bool_]:
 def grow(image: NDArray[np.float32], known: NDArray[np.bool_], times: int) -> NDArray[np.float32]:
     """Fill unknown texels next to known ones with the mean of those, `times` over.
 
-    Examples
-    --------
     >>> grow(np.float32([[[4.0], [0.0], [0.0]]]), np.array([[True, False, False]]), 2).ravel().tolist()
     [4.0, 4.0, 4.0]
     """

@@ -162,8 +162,6 @@ def pack_shelves(size: NDArray[np.int32]) -> tuple[NDArray[np.int32], tuple[int,
     - `place`: (C, 2) int32 first column and row of each.
     - `map_size`: width and height that hold them all.
 
-    Examples
-    --------
     >>> place, map_size = pack_shelves(np.array([[2, 1], [3, 2]], np.int32))
     >>> place.tolist(), map_size
     ([[0, 2], [0, 0]], (3, 3))

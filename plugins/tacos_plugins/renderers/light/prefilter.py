@@ -32,8 +32,6 @@ _SAMPLES = 64
 def roughness_levels(materials: Sequence[Material]) -> tuple[list[float], NDArray[np.int32]]:
     """The distinct roughnesses to blur for, and (materials,) which of them each material uses.
 
-    Examples
-    --------
     >>> grey = np.full(3, 0.5)
     >>> roughness_levels([Material("a", grey, roughness=0.32), Material("b", grey, roughness=0.1)])
     ([0.1, 0.3], array([1, 0], dtype=int32))

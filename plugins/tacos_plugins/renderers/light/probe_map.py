@@ -78,8 +78,6 @@ def two_heaviest(
     The share is continuous in the weights: a half where both weigh the same, nothing where a third one takes
     the second's place.
 
-    Examples
-    --------
     >>> first, second, share = two_heaviest(np.array([[4.0, 0.0, 1.0], [2.0, 2.0, 0.0], [2.0, 1.0, 1.0]]))
     >>> first.tolist(), second.tolist(), share.tolist()
     ([0, 0, 0], [2, 1, 1], [0.0, 0.5, 0.0])

@@ -18,8 +18,6 @@ GREATEST_TEXTURE_PX = 1024
 def linear_of_bytes(encoded: NDArray[np.uint8]) -> NDArray[np.float32]:
     """Linear reflectance of sRGB bytes (IEC 61966-2-1) [1].
 
-    Examples
-    --------
     >>> linear_of_bytes(np.array([0, 188, 255], np.uint8)).round(3).tolist()
     [0.0, 0.503000020980835, 1.0]
     """
@@ -96,8 +94,6 @@ def material_table(materials: Sequence[Material], level: NDArray[np.int32]) -> N
 def pyramid(image: NDArray[np.float32]) -> list[NDArray[np.float32]]:
     """An image of (T, T, channels) and its means over two by two texels, down to a single one.
 
-    Examples
-    --------
     >>> [level.ravel().tolist() for level in pyramid(np.float32([[[0], [1]], [[2], [5]]]))]
     [[0.0, 1.0, 2.0, 5.0], [2.0]]
     """

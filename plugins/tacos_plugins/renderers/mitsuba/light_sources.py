@@ -70,8 +70,6 @@ def _rows_from_pole_to_pole(sky_cd_m2: NDArray[np.float32]) -> NDArray[np.float3
     Mitsuba lays columns as a world has them, by their middles; it lays rows from pole to pole. Every second
     row here lies where one of the panorama's has its middle, and is that; those between are means.
 
-    Examples
-    --------
     >>> _rows_from_pole_to_pole(np.float32([[1.0], [3.0]])).ravel().tolist()
     [1.0, 1.0, 2.0, 3.0, 3.0]
     """

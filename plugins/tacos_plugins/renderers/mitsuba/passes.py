@@ -11,8 +11,6 @@ def samples_per_pose(samples: int, poses: int) -> int:
 def in_passes(samples: int, most: int, *, even: bool) -> list[int]:
     """Paths per pixel of each pass, at most `most`; `even` ones come in powers of four.
 
-    Examples
-    --------
     >>> in_passes(64, 30, even=False), in_passes(64, 30, even=True)
     ([30, 30, 4], [16, 16, 16, 16])
     """
@@ -27,8 +25,6 @@ def in_passes(samples: int, most: int, *, even: bool) -> list[int]:
 def is_power_of_four(number: int) -> bool:
     """True if it is 1, 4, 16, 64, ...
 
-    Examples
-    --------
     >>> [number for number in range(1, 70) if is_power_of_four(number)]
     [1, 4, 16, 64]
     """

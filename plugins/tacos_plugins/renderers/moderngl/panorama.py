@@ -52,8 +52,6 @@ def face_of(picture: RenderedView) -> Face:
 def cube_camera(edge_px: int) -> Camera:
     """Camera of a face with 90 degrees across ``edge_px`` pixels, and a margin around them.
 
-    Examples
-    --------
     >>> camera = cube_camera(64)
     >>> camera.width_px, camera.focal_length_px
     (80, 32.0)

@@ -18,8 +18,6 @@ def projection_matrix(camera: Camera, near_m: float, far_m: float) -> NDArray[np
 
     Returns: (4, 4) float64, to be multiplied from the left to column vectors.
 
-    Examples
-    --------
     >>> camera = Camera("c", width_px=4, height_px=2, pixel_um=10, focal_length_mm=0.02)
     >>> clip = projection_matrix(camera, 0.1, 10.0) @ [-2.0, -1.0, 2.0, 1.0]  # the image's first corner
     >>> (clip / clip[3])[:2].tolist()

@@ -173,8 +173,6 @@ class EdgeBlending:
 def half_pixel_camera(camera: Camera) -> Camera:
     """The same view at every half pixel: row 2 y + 1 and column 2 x + 1 are the centre of pixel (x, y).
 
-    Examples
-    --------
     >>> fine = half_pixel_camera(Camera("c", 4, 3, pixel_um=2.0, focal_length_mm=1.0))
     >>> fine.width_px, fine.height_px, fine.centre_px, fine.focal_length_px
     (9, 7, (4.0, 3.0), 1000.0)

@@ -31,8 +31,6 @@ class ModernglRenderer:
     dielectric of roughness 0.8 or more is exactly Lambertian: reflectance r under illuminance E has the
     luminance ``E r / pi``.
 
-    Examples
-    --------
     Frames in batches, memory flat in their number::
 
         renderer = ModernglRenderer(ModernglRenderer.Config())

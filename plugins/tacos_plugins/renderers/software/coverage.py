@@ -53,8 +53,6 @@ def find_edges(pixel: NDArray[np.int32], wanted: NDArray[np.int32], seen: NDArra
     `pixel`, `wanted`: as `seeing_several` gives them. `seen`: (H, W) number of the surface seen at the centre
     of each pixel.
 
-    Examples
-    --------
     >>> colour = np.float32([[[0, 0, 0], [8, 8, 8]]])
     >>> triangle = np.int32([[1, 1, 1, 2, 2]] * 3)  # the edge lies between the half pixels 2 and 3
     >>> of_surface = np.int32([0, 1, 2])

@@ -15,8 +15,6 @@ LANES = 16
 def with_lanes(shape: tuple[int, ...], dtype: type[np.generic]) -> NDArray[Any]:
     """An array, not filled, with `LANES` more numbers behind it in memory that may be read and written.
 
-    Examples
-    --------
     >>> band = with_lanes((4, 5), np.float32)
     >>> band.shape, band.base.size - band.size
     ((4, 5), 16)

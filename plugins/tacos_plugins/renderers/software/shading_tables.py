@@ -38,8 +38,6 @@ class TexelStack:
     def of(cls, levels: Sequence[NDArray[np.uint8]]) -> TexelStack:
         """Of (layers, T, T, 4) bytes of each level, the finest first.
 
-        Examples
-        --------
         >>> stack = TexelStack.of([np.full((1, 2, 2, 4), 1, np.uint8), np.full((1, 1, 1, 4), 2, np.uint8)])
         >>> stack.offsets.tolist(), stack.edge, hex(stack.texels[4])
         ([0, 4], 2, '0x2020202')

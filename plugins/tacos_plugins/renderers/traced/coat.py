@@ -15,8 +15,6 @@ _SHEEN_RANGE = 0.4  # of roughness below that, over which the coat grows to its 
 def sheen(material: Material) -> float:
     """Strength of a dielectric's coat, 0..1 [1].
 
-    Examples
-    --------
     >>> grey = np.full(3, 0.5)
     >>> [round(sheen(Material("m", grey, roughness=r)), 6) for r in (0.3, 0.6, 0.9)]
     [1.0, 0.5, 0.0]

@@ -13,8 +13,6 @@ from tacos_framework import Episode, MeshPart, World
 def moments_s(middle_s: float, exposure_s: float, count: int) -> NDArray[np.float64]:
     """(count,) moments spread evenly over an exposure [s].
 
-    Examples
-    --------
     >>> moments_s(1.0, 0.4, 2).tolist()
     [0.9, 1.1]
     """

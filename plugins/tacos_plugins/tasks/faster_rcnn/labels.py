@@ -59,8 +59,6 @@ def frame_labels(
     - `minimum_share`: share of the image it must cover to count, so that the truth does not depend on the
       number of pixels.
 
-    Examples
-    --------
     >>> ids = np.array([[0, 0, 0], [0, 2, 2], [0, 2, 1]], np.int32)
     >>> found = frame_labels(ids, np.array([0, 1, 1]), minimum_area_px=2, minimum_share=0.0)
     >>> found.boxes_px.tolist()

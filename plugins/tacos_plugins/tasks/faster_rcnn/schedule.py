@@ -15,8 +15,6 @@ def learning_rate(steps: int, *, start: float, decay: float, decay_every: int, f
 
     Source: the paper, Sec. 4.3, "Object Detector": 1e-4, halved every five steps.
 
-    Examples
-    --------
     >>> [round(learning_rate(n, start=1e-4, decay=0.5, decay_every=5, floor=0.01), 9) for n in (4, 5, 999)]
     [0.0001, 5e-05, 1e-06]
     """

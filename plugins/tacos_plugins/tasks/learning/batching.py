@@ -15,8 +15,6 @@ def mixed(examples: Iterable[Example], held: int, rng: np.random.Generator) -> I
 
     Consecutive frames of a trip look alike; a batch of them teaches little more than one of them.
 
-    Examples
-    --------
     >>> list(mixed("abcdef", 3, np.random.default_rng(1)))
     ['b', 'c', 'e', 'f', 'a', 'd']
     """
@@ -32,8 +30,6 @@ def mixed(examples: Iterable[Example], held: int, rng: np.random.Generator) -> I
 def in_batches(examples: Iterable[Example], size: int) -> Iterator[list[Example]]:
     """Batches of `size`, the last one of what is left.
 
-    Examples
-    --------
     >>> list(in_batches("abcde", 2))
     [['a', 'b'], ['c', 'd'], ['e']]
     """

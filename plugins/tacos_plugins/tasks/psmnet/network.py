@@ -33,8 +33,6 @@ class PSMNet(nn.Module):
     Source: Chang and Chen 2018, "Pyramid stereo matching network", CVPR. Written anew from the published
     architecture; entries carry the names of the published checkpoints.
 
-    Examples
-    --------
     >>> network = PSMNet(192)
     >>> sum(parameter.numel() for parameter in network.parameters())
     5224768

@@ -43,8 +43,6 @@ def motion_error(
 ) -> MotionError:
     """That of (4, 4) second_from_first, against the true one; None is a motion that was not found.
 
-    Examples
-    --------
     >>> truth, estimate = np.eye(4), np.eye(4)
     >>> truth[:3, 3], estimate[:3, 3] = (1.0, 0.0, 0.0), (1.0, 0.1, 0.0)
     >>> error = motion_error(estimate, truth, least_step_m=0.02, with_length=True)

@@ -107,12 +107,7 @@ def rectangle(
 ) -> MeshPart:
     """A rectangle that faces ``half_u x half_v``.
 
-    Parameters
-    ----------
-    centre_m
-        Its centre [m].
-    half_u_m, half_v_m
-        From the centre to the middle of two edges [m].
+    `centre_m`: its centre [m]. `half_u_m`, `half_v_m`: from the centre to the middle of two edges [m].
     """
     centre, u, v = (np.array(vector, np.float64) for vector in (centre_m, half_u_m, half_v_m))
     normal = np.cross(u, v)

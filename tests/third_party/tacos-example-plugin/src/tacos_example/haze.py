@@ -38,9 +38,7 @@ class Haze:
 
     with d the distance, b the extinction and A the light of the air, a multiple of the mean of the image.
 
-    References
-    ----------
-    Koschmieder 1924, "Theorie der horizontalen Sichtweite".
+    Source: Koschmieder 1924, "Theorie der horizontalen Sichtweite".
     """
 
     class Config(Settings):

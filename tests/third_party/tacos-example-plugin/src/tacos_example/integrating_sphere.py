@@ -17,9 +17,7 @@ class IntegratingSphere:
 
     No shadows and no shading, so it is quick to reason about, and depth and ids are exact.
 
-    References
-    ----------
-    Ulbricht 1900, "Die Bestimmung der mittleren raeumlichen Lichtintensitaet durch nur eine Messung".
+    Source: Ulbricht 1900, "Die Bestimmung der mittleren raeumlichen Lichtintensitaet durch nur eine Messung".
     """
 
     class Config(Settings):

@@ -16,10 +16,8 @@ class LatinHypercube:
     The strata of the genes are paired at random. All is drawn at the beginning, so that nothing but the
     number of results observed so far has to be remembered beside it.
 
-    References
-    ----------
-    McKay, Beckman and Conover 1979, "A comparison of three methods for selecting values of input variables in
-    the analysis of output from a computer code", Technometrics 21(2).
+    Source: McKay, Beckman and Conover 1979, "A comparison of three methods for selecting values of input
+    variables in the analysis of output from a computer code", Technometrics 21(2).
     """
 
     class Config(Settings):

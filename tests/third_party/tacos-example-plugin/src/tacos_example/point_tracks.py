@@ -16,19 +16,13 @@ from tacos_example.checkerboard import grey_image
 
 @dataclass(frozen=True)
 class Motion:
-    """Corners seen in two consecutive frames of a walk.
-
-    Parameters
-    ----------
-    before_px, after_px
-        (K, 2) columns and rows of the same corners in the earlier and in the later frame [px].
-    before_from_after
-        (4, 4) true pose of the camera in the later frame, seen from the earlier one [m].
-    """
+    """Corners seen in two consecutive frames of a walk."""
 
     before_px: NDArray[np.float32]
     after_px: NDArray[np.float32]
+    """(K, 2) columns and rows of the same corners in the earlier and in the later frame [px]."""
     before_from_after: NDArray[np.float64]
+    """(4, 4) true pose of the camera in the later frame, seen from the earlier one [m]."""
 
 
 @dataclass(frozen=True)
