@@ -142,7 +142,6 @@ def camera(width_px: int = 64, height_px: int = 48, focal_px: float = 60.0, **mo
 
 
 def rig(*cameras: Camera) -> Rig:
-    """A rig of cameras."""
     return Rig(cameras)
 
 

@@ -12,8 +12,6 @@ class Counting:
     """Squares the numbers below a limit."""
 
     class Config(Settings):
-        """Settings."""
-
         limit: int = setting(help="Numbers to square.", ge=1)
 
     def __init__(self, config: Config) -> None:

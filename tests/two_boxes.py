@@ -22,8 +22,6 @@ class TwoBoxes:
     """A cup and a chair before a wall; the agent goes forward and to its left."""
 
     class Config(Settings):
-        """Settings."""
-
         frames: int = setting(3, help="Frames.", ge=1)
 
     def __init__(self, config: Config) -> None:

@@ -29,8 +29,6 @@ NEIGHBOURS = 12
 
 @dataclass(frozen=True)
 class BestOfParts:
-    """The best camera of each combination of parts."""
-
     cameras: Mapping[tuple[str, ...], Values]
     """Values by the names of the parts; without combinations of which no camera keeps all constraints."""
     means: Mapping[tuple[str, ...], float]

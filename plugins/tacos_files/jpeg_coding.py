@@ -19,8 +19,6 @@ _LUMINANCE, _CHROMINANCE = 0, 1  # numbers of the tables by which brightness and
 
 
 class JpegCoding(NamedTuple):
-    """The coding of a JPEG file."""
-
     quality: int
     """As libjpeg counts it; the nearest where the camera has tables of its own."""
     subsampling: str

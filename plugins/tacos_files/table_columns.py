@@ -20,8 +20,6 @@ _SECONDS: Mapping[str, float] = {
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a table."""
-
     place: int
     heading: str  # as it stands in the table
     unit_s: float | None  # what its numbers count [s]; None where the heading names no unit of time

@@ -32,8 +32,6 @@ CameraName = str | Mapping[str, Any] | None
 
 @dataclass(frozen=True)
 class CameraChoice:
-    """A camera of a study."""
-
     title: str
     values: Mapping[str, Any]
     """Plain values of the study's design variables, those included that a product fixes."""

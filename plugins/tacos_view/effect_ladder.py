@@ -24,8 +24,6 @@ OF_THE_USER = (0.25, 0.5, 1.0)
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """A rung of the ladder."""
-
     settings: Mapping[str, Any]  # those of the effect; none where it is off
     frame: Picture  # what the camera delivers
     difference: Picture  # what the effect has changed, amplified alike on all rungs; grey is no change

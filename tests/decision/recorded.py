@@ -59,7 +59,6 @@ def from_catalog(**sections: Any) -> Recipe:
 
 @lru_cache
 def recorded() -> StudyRecord:
-    """The record of that study."""
     keeper = Keeper()
     run(from_catalog(), with_toys(keeper), Path(mkdtemp()) / "out")
     assert keeper.record is not None

@@ -42,7 +42,6 @@ assert "result.json" in [file.path for file in client.list_artifacts(found.info.
 
 @pytest.fixture
 def tracker_folder(tmp_path: Path) -> Path:
-    """A folder with the tracker of the docs."""
     page = ROOT / "docs" / "how-to" / "embed_the_library.md"
     (block,) = (block for block in blocks(page) if block.title == "mlflow_tracker.py")
     write_file(block, tmp_path)

@@ -20,8 +20,6 @@ class Contrast:
     """Scores how much the brightness of the frames varies within each of them."""
 
     class Config(tacos.Settings):
-        """Settings of the task."""
-
         darkest_dn: float = tacos.setting(
             1.0, help="Frames darker than this have no contrast.", unit="DN", gt=0
         )
@@ -44,7 +42,6 @@ class ContrastScorer:
         self._found: list[float] = []
 
     def update(self, frames: tacos.FrameBatch) -> None:
-        """Take in the next batch."""
         for image in frames.images[0]:
             mean_dn = float(image.mean())
             self._found.append(float(image.std()) / max(mean_dn, self._darkest_dn))
@@ -95,7 +92,6 @@ class OneThread:
         self._pool = ThreadPoolExecutor(1)
 
     def map(self, evaluate: Callable[[Job], Result], jobs: Sequence[Job]) -> Iterator[Result]:
-        """The results of the jobs."""
         return self._pool.map(evaluate, jobs)
 
     def close(self) -> None:

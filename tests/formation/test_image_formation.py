@@ -34,8 +34,6 @@ class Adding:
     """Adds a number of DN, or units of light; notes what it was given."""
 
     class Config(Settings):
-        """Settings."""
-
         by: float = setting(0.0, help="How much.")
 
     stage: ClassVar[Any] = "readout"
@@ -94,8 +92,6 @@ class AddingElectrons(AddingToFiles):
     """Adds to files, by a number of DN or of electrons."""
 
     class Config(Settings):
-        """Settings."""
-
         by: float = setting(0.0, help="How much.", unit="DN")
         by_e: float | None = physical("by", help="The same in electrons.", unit="e-")
 
@@ -109,8 +105,6 @@ class Shifting:
     """Moves the image by whole pixels."""
 
     class Config(Settings):
-        """Settings."""
-
         columns: float = setting(0.0, help="How far.", unit="1")
 
     stage: ClassVar[Any] = "optics"

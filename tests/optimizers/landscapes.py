@@ -27,7 +27,6 @@ def mixed(candidate: Candidate) -> float:
 
 
 def search(optimizer: Any, fitness: Callable[[Candidate], float | None]) -> float:
-    """The best fitness found."""
     best = -np.inf
     while optimizer.stop() is None:
         observed = [Evaluated(candidate, fitness(candidate)) for candidate in optimizer.ask()]

@@ -36,7 +36,6 @@ VALIDATION = ROOT / "plugins/tacos_validation"
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Iterator[zipfile.ZipFile]:
-    """The wheel of tacos-framework."""
     yield from built(ROOT, tmp_path_factory.mktemp("dist"))
 
 

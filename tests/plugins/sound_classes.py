@@ -11,11 +11,7 @@ from tacos_framework.values import Capture, Episode, FrameBatch
 
 
 class Built:
-    """What all components have."""
-
     class Config(Settings):
-        """A setting."""
-
         blur_px: float = setting(0.0, help="Blur.", unit="px")
 
     def __init__(self, config: Config) -> None:

@@ -32,7 +32,6 @@ class Camera1288:
     def frames(
         self, photons: float, exposure_s: float, count: int, rng: np.random.Generator
     ) -> list[np.ndarray]:
-        """Frames of even light."""
         fixed = np.random.default_rng(self.seed)
         response = 1 + self.prnu * fixed.standard_normal(self.size)
         offset = self.dsnu_e * fixed.standard_normal(self.size)

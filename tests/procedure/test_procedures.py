@@ -24,8 +24,6 @@ class Counting:
     """Squares the numbers below a limit."""
 
     class Config(Settings):
-        """Settings."""
-
         limit: int = setting(help="Numbers to square.", ge=1)
         table: str = setting("", help="A file beside the recipe.", is_path=True)
 

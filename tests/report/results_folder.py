@@ -200,7 +200,6 @@ def write_results(folder: Path, *, moments: int = 2) -> Path:
 
 
 def write_json(folder: Path, result: dict[str, Any]) -> None:
-    """Write ``result.json``."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "result.json").write_text(json.dumps(result), "utf-8")
 

@@ -40,7 +40,6 @@ class DefaultComponents:
 
 
 def study(out: Path) -> None:
-    """Begin the study, or go on with it."""
     plugins = Plugins()
     plugins.register(toy_plugin)
     plugins.register(DefaultComponents(), "defaults")

@@ -41,8 +41,6 @@ class Frugal:
     """Scores each candidate on one scene, in turn, and recommends the first it ever drew."""
 
     class Config(Settings):
-        """Settings."""
-
         width: float = setting(1.0, help="Not used.")
 
     told: ClassVar[list[Any]] = []

@@ -33,8 +33,6 @@ class Glow:
     """Light that depends on the camera alone: wider fields of view see more of it, or less."""
 
     class Config(Settings):
-        """Settings."""
-
         per_deg: float = setting(1.0, help="Luminance per degree of field of view.", unit="cd/m2")
         at_90_deg: float = setting(200.0, help="Luminance a camera of 90 degrees sees.", unit="cd/m2")
 

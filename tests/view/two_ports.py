@@ -31,13 +31,10 @@ class Seen:
 
 
 class SeenScorer:
-    """Of one episode."""
-
     def __init__(self) -> None:
         self.count = 0
 
     def update(self, capture: Capture, frames: FrameBatch) -> None:
-        """Count."""
         self.count += len(frames.episode)
 
     def scores(self) -> Scores:

@@ -30,7 +30,6 @@ class Miss:
 
     @property
     def kind(self) -> str:
-        """The kind of score."""
         return self.predicted.kind
 
     @property

@@ -38,8 +38,6 @@ class PredictedValue:
 
 @dataclass(frozen=True)
 class Prediction:
-    """What is expected to be measured."""
-
     about: str
     """What is to be measured, in a sentence."""
     made: str

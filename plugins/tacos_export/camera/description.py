@@ -20,8 +20,6 @@ from tacos_view.setup import RenderSetup
 
 @dataclass(frozen=True, eq=False)
 class CameraDescription:
-    """A camera as files describe it."""
-
     camera: Camera
     lens: LensModel
     distortion: tuple[float, ...]

@@ -14,8 +14,6 @@ from tacos_gap.inference.screening import ScreeningDirections
 
 @dataclass(frozen=True, eq=False)
 class Attribution:
-    """Result of an attribution."""
-
     best: Fitted
     null: Fitted
     slots: Mapping[str, Mapping[str, float]]

@@ -17,8 +17,6 @@ Render = Callable[[Path, str], NDArray[np.float32]]
 
 
 class ExpectedValues:
-    """Reads or renders expected values."""
-
     def __init__(self, entry: FolderEntry, files: CaptureFiles, render: Render | None):
         self._entry = entry
         self._files = files

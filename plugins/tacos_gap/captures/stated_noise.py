@@ -10,8 +10,6 @@ from tacos_gap.captures.files import CaptureFiles
 
 
 class StatedNoise:
-    """Finds the noise of each capture."""
-
     def __init__(self, entry: FolderEntry, files: CaptureFiles):
         self._entry = entry
         self._files = files

@@ -225,48 +225,38 @@ class EvidenceElsewhere(PictureEvidence):
 
     @property
     def real(self) -> NDArray[np.float64]:
-        """See `PictureEvidence`."""
         return np.asarray(self._told(attrgetter("real")))
 
     @property
     def sigma(self) -> NDArray[np.float64]:
-        """See `PictureEvidence`."""
         return np.asarray(self._told(attrgetter("sigma")))
 
     @property
     def null_replicates(self) -> NDArray[np.float64]:
-        """See `Evidence`."""
         return np.asarray(self._told(attrgetter("null_replicates")))
 
     @property
     def left_out(self) -> list[str]:
-        """See `PictureEvidence`."""
         return list(self._told(attrgetter("left_out")))
 
     def residual(self, effects: Sequence[PlacedEffect], draws: int = 1) -> NDArray[np.float64]:
-        """See `Evidence`."""
         return np.asarray(self._told(methodcaller("residual", effects, draws)))
 
     def replicate_residuals(self, effects: Sequence[PlacedEffect]) -> ReplicateResiduals:
-        """See `Evidence`."""
         found: ReplicateResiduals = self._told(methodcaller("replicate_residuals", effects))
         return found
 
     def nuisances(self, effects: Sequence[PlacedEffect]) -> dict[str, Any]:
-        """See `PictureEvidence`."""
         return dict(self._told(methodcaller("nuisances", effects)))
 
     def pose(self, effects: Sequence[PlacedEffect]) -> dict[str, float] | None:
-        """See `PictureEvidence`."""
         found: dict[str, float] | None = self._told(methodcaller("pose", effects))
         return found
 
     def renuisanced(self, effects: Sequence[PlacedEffect]) -> PictureEvidence:
-        """See `PictureEvidence`."""
         found: PictureEvidence = self._told(methodcaller("renuisanced", effects))
         return found
 
     def agreeing(self, shares: Mapping[str, float]) -> PictureEvidence:
-        """See `PictureEvidence`."""
         found: PictureEvidence = self._told(methodcaller("agreeing", shares))
         return found

@@ -81,12 +81,10 @@ class ImageEvidence(PictureEvidence):
 
     @property
     def real(self) -> NDArray[np.float64]:
-        """See `PictureEvidence`."""
         return self._there.real
 
     @property
     def sigma(self) -> NDArray[np.float64]:
-        """See `PictureEvidence`."""
         return self._floor
 
     @property
@@ -95,11 +93,9 @@ class ImageEvidence(PictureEvidence):
 
     @property
     def left_out(self) -> list[str]:
-        """See `PictureEvidence`."""
         return self._taken.left_out
 
     def nuisances(self, effects: Sequence[PlacedEffect]) -> dict[str, Any]:
-        """See `PictureEvidence`."""
         if not self._freedoms:
             return {}
         return stated(self._freedoms, self._marginal.most_likely(self._difference(effects)))
@@ -190,7 +186,6 @@ class ImageEvidence(PictureEvidence):
         return nearer._at(np.where([f.name in shares for f in self._freedoms], 0.0, self._nu))
 
     def pose(self, effects: Sequence[PlacedEffect]) -> dict[str, float] | None:
-        """See `PictureEvidence`."""
         names = [freedom.name for freedom in self._freedoms]
         if POSE_TERMS[0] not in names:
             return None

@@ -23,8 +23,6 @@ SUGGESTED_STEP = 0.1
 
 @dataclass(frozen=True)
 class HypothesisTerm:
-    """One effect of a hypothesis."""
-
     name: str
     cls: type[Any]
     values: Mapping[str, Any]

@@ -28,8 +28,6 @@ Plane = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Detail:
-    """Detail of one frame."""
-
     seen: float  # logarithm of its detail over that of the shorter exposure, the median of tiles [1]
     error: float  # standard error of that [1]
     of_path: float  # the same, as blur along the path of each pixel makes it [1]

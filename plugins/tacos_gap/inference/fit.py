@@ -53,8 +53,6 @@ DRAWS = 4
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """A hypothesis with fitted parameters."""
-
     hypothesis: Hypothesis
     z: NDArray[np.float64]  # (K,) residuals left [noise floor]
     jacobian: NDArray[np.float64]  # (K, P) change of the robust residuals per step of each free parameter

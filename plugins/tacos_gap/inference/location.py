@@ -20,8 +20,6 @@ LEAST_SQUARE = 1.5
 
 @dataclass(frozen=True)
 class Place:
-    """A statistic that differs."""
-
     stage: str
     statistic: str
     z: float  # largest difference, signed [noise floor]

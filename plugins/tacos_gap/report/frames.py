@@ -29,8 +29,6 @@ _KINDS = ("scene", "chart", "edge", "sequence", "bracket", "flat", "dark")
 
 @dataclass(frozen=True, eq=False)
 class ComparedFrames:
-    """Frames of a capture as pictures."""
-
     capture: str
     kind: str
     whole: Sequence[NDArray[np.uint8]]  # (H, W, 3) uint8 each: real, before, after (or without the last)

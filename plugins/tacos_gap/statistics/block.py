@@ -21,8 +21,6 @@ from tacos_plugins.effects.darks import ROUNDING_DN, isolated, middle_and_spread
 
 @dataclass(frozen=True, eq=False)
 class StatisticBlock:
-    """Numbers of one statistic."""
-
     statistic: str  # its name, e.g. ``"relative_illumination"``
     stage: str  # the stage of image formation that shows in it most often
     values: NDArray[np.float64]

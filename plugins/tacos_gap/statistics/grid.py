@@ -38,8 +38,6 @@ two pixels apart differ by two thirds of it only, as their windows overlap."""
 
 @dataclass(frozen=True, eq=False)
 class Bins:
-    """Bins of an image."""
-
     index: NDArray[np.int64]  # (H, W) the bin each pixel is in; -1 for none
     at: Sequence[Mapping[str, Any]]  # what each bin is
     count: NDArray[Any]

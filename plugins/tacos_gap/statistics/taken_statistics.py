@@ -15,8 +15,6 @@ from tacos_gap.statistics import StatisticBlock
 
 @dataclass(frozen=True, eq=False)
 class TakenStatistics:
-    """Numbers taken of a capture."""
-
     blocks: Sequence[StatisticBlock]  # as its real frames gave them
     kept: NDArray[np.bool_]  # (K,) which of their numbers count: those that every simulation gives, too
 

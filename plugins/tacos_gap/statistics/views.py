@@ -35,8 +35,6 @@ def _contrast(log_power: NDArray[np.float64]) -> NDArray[np.float64]:
 
 @dataclass(frozen=True)
 class StatisticView:
-    """View of a statistic in a drawing."""
-
     title: str
     quantity: str  # what is on the vertical axis, with its unit
     shown: Shown = _same  # from the statistic's values to that quantity

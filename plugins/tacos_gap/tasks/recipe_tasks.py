@@ -29,8 +29,6 @@ DEFAULT_NODE = "features"
 
 @dataclass(frozen=True)
 class RecipeTask:
-    """A task as a recipe has it."""
-
     node: str
     part: ConfiguredComponent
     state: State | None = field(default=None, compare=False, repr=False)

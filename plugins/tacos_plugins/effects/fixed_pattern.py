@@ -15,8 +15,6 @@ _KEPT = 8  # patterns kept for the next batch; a candidate with another sensor d
 
 
 class PatternSettings(Settings):
-    """Settings that all fixed patterns share."""
-
     map_seed: int = setting(
         0, help="Names the individual sensor: the same seed has the same pattern, frame after frame.", ge=0
     )

@@ -31,8 +31,6 @@ _FEW = 0.1
 
 @dataclass(frozen=True)
 class _BadLines:
-    """Bad lines of one direction."""
-
     share: float
     offset_dn: float | None
     """Offset above the others; None where they are dead [DN]."""

@@ -149,7 +149,6 @@ class Motion:
         return self._row_time_us(context) * geometry.binning
 
     def _shutter(self, of_part: str | None) -> str:
-        """The shutter, as set or as known."""
         return (of_part or "global") if self.config.shutter == "part" else self.config.shutter
 
     def _row_time_us(self, part: Camera | ImageContext) -> float:

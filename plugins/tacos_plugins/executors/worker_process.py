@@ -55,7 +55,6 @@ class WorkerProcess(PoolWorker):
         return None
 
     def how_it_ended(self) -> str:
-        """The end of the process, in words."""
         self.process.join()
         return f"its worker process {ending_in_words(self.process.exitcode or 0)}"
 

@@ -25,7 +25,6 @@ class Damaged(Exception):
 
 
 def packed(plain: Any, arrays: Sequence[NDArray[Any]]) -> bytes:
-    """The content of a file."""
     from safetensors.numpy import save
 
     text = np.frombuffer(json.dumps(plain).encode(), np.uint8)

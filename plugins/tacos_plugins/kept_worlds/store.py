@@ -34,8 +34,6 @@ _SUFFIX, _LOCK, _LIMIT_FILE = ".world", ".lock", "limit"
 
 @dataclass(frozen=True)
 class Contents:
-    """Contents of a store."""
-
     entries: int
     size_bytes: int
     limit_bytes: int

@@ -17,8 +17,6 @@ _RAYS_PER_CALL = 1 << 20
 
 @dataclass(frozen=True, eq=False)
 class WorldHits:
-    """First hits of rays."""
-
     triangle: NDArray[np.int32]
     """(N,) int32 index into the triangles of all parts in order; -1 where the ray left the world."""
     barycentric: Vectors

@@ -16,8 +16,6 @@ _NUDGE_M = 0.04
 
 @dataclass(frozen=True, eq=False)
 class Sites:
-    """Sites of a world."""
-
     points_m: NDArray[np.float32]
     normals: NDArray[np.float32]
     """(S, 3) float32 [m]."""

@@ -15,8 +15,6 @@ from tacos_plugins.noise_calibration.frame_files import FrameStack, stack_of
 
 
 class CameraSetting(Settings):
-    """Exposure of a scene."""
-
     exposure_ms: float = setting(help="Exposure time.", unit="ms", gt=0)
     gain_db: float = setting(help="Gain.", unit="dB")
     f_number: float = setting(2.0, help="Focal length over aperture.", gt=0)
@@ -38,8 +36,6 @@ class NoiseBench(Settings):
 
 
 class SimulatedCamera(Settings):
-    """A camera on the bench."""
-
     rig: Use = setting(help="The rig; all its variables are given here.")
     sensor: Use = setting(help="The sensor model.")
 

@@ -25,8 +25,6 @@ STRONG_PATTERN = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """Noise of one channel."""
-
     channel: str
     levels: Levels
     fit: AffineFit

@@ -13,8 +13,6 @@ MOST_DOUBLINGS = 6
 
 @dataclass(frozen=True)
 class Descent:
-    """Start of one descent."""
-
     population: int
     sigma: float
     """First standard deviation, in edges of the unit cube [1]."""

@@ -16,8 +16,6 @@ from tacos_report.palette import camera_colour
 
 @dataclass(frozen=True, eq=False)
 class PretrainingOutcome:
-    """Outcome of a pre-training."""
-
     node: str
     use: str
     file: str

@@ -15,8 +15,6 @@ from tacos_plugins.rigs.sensor_part import SensorPart
 
 
 class MountSettings(Settings):
-    """Settings of all rigs."""
-
     binning: float = setting(
         1.0,
         help="Simulate blocks of binning x binning pixels as one, to run on a small machine.",

@@ -62,7 +62,6 @@ class Outlook:
     lens: Lens = PINHOLE
 
     def optics(self, sensor: SensorPart) -> Optics:
-        """The optics with which a sensor has this field of view."""
         return optics_for(sensor.width_mm, self.hfov_deg, self.lens)
 
 

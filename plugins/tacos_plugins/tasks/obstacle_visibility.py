@@ -91,8 +91,6 @@ class ObstacleVisibility:
 
 @dataclass(frozen=True)
 class Sighting:
-    """Obstacles in a frame."""
-
     time_s: float
     """Its time [s]."""
     photosites: Mapping[int, float]

@@ -13,8 +13,6 @@ from tacos_report.palette import MUTED, PAPER, RULE
 
 @dataclass(frozen=True)
 class Carrier:
-    """Drawing of one carrier."""
-
     paint: Callable[[Axes, float], None]  # draws it on axes in metres, with the camera at a height
     behind_m: float  # room that the drawing needs behind the camera
     ahead_m: float  # how far ahead it reaches

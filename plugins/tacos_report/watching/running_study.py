@@ -21,8 +21,6 @@ MOST_SHOWN = 8
 
 @dataclass(frozen=True)
 class RunningStudy:
-    """A study at one moment."""
-
     name: str
     generations: tuple[Generation, ...]
     last_line: str  # the last line of its log, which says what it does

@@ -9,8 +9,6 @@ from tacos_validation.rank_agreement.settings import RankedCameras
 
 
 class AblationConfig(Settings):
-    """Settings of the procedure."""
-
     study: str = setting(help="The recipe of the study: a path, or the name of a shipped one.", is_path=True)
     change: dict[str, JsonValue] = setting(
         {}, help="Keys of that recipe to change throughout, as with --set."

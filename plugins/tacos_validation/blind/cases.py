@@ -12,8 +12,6 @@ from tacos_validation.blind.parameters_found import ParameterFound, parameters_f
 
 @dataclass(frozen=True)
 class Case:
-    """One case."""
-
     name: str
     tier: str
     truth: Mapping[str, Any]

@@ -12,8 +12,6 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Figure:
-    """One figure."""
-
     name: str
     value: float  # NaN where there are no cases
     low: float  # of the 95 % interval

@@ -25,8 +25,6 @@ def sureness(cause: Mapping[str, Any]) -> float:
 
 @dataclass(frozen=True)
 class KnownTruth:
-    """Known truth of a case."""
-
     accept: tuple[str, ...]  # effects of which one must come first
     also: tuple[str, ...] = ()  # effects that may stand beside it
     confusable: tuple[str, ...] = ()
@@ -47,8 +45,6 @@ class KnownTruth:
 
 @dataclass(frozen=True)
 class Judgement:
-    """Worth of an answer."""
-
     outcome: str
     """``right``: an accepted effect comes first, and no stranger beside it; or nothing, where no gap was
     expected. ``unknown``: nothing is named with a presence above one half. ``wrong``: something else comes

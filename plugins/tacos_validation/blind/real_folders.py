@@ -15,8 +15,6 @@ from tacos_validation.blind.judgement import KnownTruth, read_known
 
 @dataclass(frozen=True)
 class RealCase:
-    """A real case."""
-
     name: str
     known: KnownTruth
     write: Callable[[Path], None]

@@ -22,8 +22,6 @@ Effects = Mapping[str, type[Any]]
 
 @dataclass(frozen=True)
 class Diagnosing:
-    """Diagnose a folder."""
-
     case: str
     folder: Path
     removed: tuple[str, ...] = ()  # effects that the catalogue lacks this time

@@ -21,8 +21,6 @@ from tacos_validation.cameras_validated.ranking import (
 
 @dataclass(frozen=True, eq=False)
 class CamerasFindings:
-    """Cameras in reality and in simulation."""
-
     patches: Mapping[str, CameraPatch]
     scores: tuple[CameraScores, ...]  # every score that all cameras have; those that a fitness counts first
     noise: Mapping[str, NoiseCurve]

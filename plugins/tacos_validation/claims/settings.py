@@ -14,8 +14,6 @@ Changes = dict[str, JsonValue]
 
 
 class ClaimStudy(Settings):
-    """A study that claims compare with others."""
-
     study: str = setting(help="Its recipe: a path, or the name of a shipped one.", is_path=True)
     change: Changes = setting(
         {}, help="Keys of that recipe to change, as with --set, over those of a scoring."
@@ -45,8 +43,6 @@ class Claim(Settings):
 
 
 class ClaimsConfig(Settings):
-    """Settings of the procedure."""
-
     seeds: int = setting(
         20, help="Runs of each study; each seed has scenes and unseen scenes of its own.", ge=2
     )

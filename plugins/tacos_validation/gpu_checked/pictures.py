@@ -21,8 +21,6 @@ LUMINANCE_TOLERANCE = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Pictures:
-    """Pictures of one device."""
-
     renderer: str
     is_software: bool
     luminance_cd_m2: NDArray[np.float32]  # (N, H, W, 3) of the first camera

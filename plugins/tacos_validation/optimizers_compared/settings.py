@@ -40,8 +40,6 @@ class Target(Settings):
 
 
 class CompareOptimizersConfig(Settings):
-    """Settings of the procedure."""
-
     problem: str = setting(
         help="The recipe of the design problem: a path, or the name of a shipped one.", is_path=True
     )

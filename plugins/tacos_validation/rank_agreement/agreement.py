@@ -14,8 +14,6 @@ FitnessOn = Callable[[str, Sequence[int]], float | None]
 
 @dataclass(frozen=True)
 class Agreement:
-    """Agreement of two orders."""
-
     tau: float | None  # Kendall's tau-b; None where one of the orders has all cameras equal
     interval: tuple[float, float] | None  # its bootstrap interval over scenes; None where that cannot be told
 

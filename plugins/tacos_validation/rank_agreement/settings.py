@@ -41,8 +41,6 @@ class RankedCameras(Settings):
 
 
 class RankAgreementConfig(Settings):
-    """Settings of the procedure."""
-
     study: str = setting(
         help="The recipe of the small study: a path, or the name of a shipped one.", is_path=True
     )

@@ -12,8 +12,6 @@ from tacos_validation.studies_table.settings import SummaryColumn, TableRow
 
 @dataclass(frozen=True, eq=False)
 class StudyRun:
-    """One run of one study."""
-
     study: str
     seed: int
     result: Mapping[str, Any]
@@ -48,8 +46,6 @@ class SummaryCell:
 
 @dataclass(frozen=True, eq=False)
 class RowResult:
-    """A row of the table."""
-
     title: str
     cells: tuple[SummaryCell, ...]
     runs: int

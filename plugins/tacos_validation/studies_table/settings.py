@@ -23,8 +23,6 @@ class StudyChange(Settings):
 
 
 class SummaryColumn(Settings):
-    """A column of the table."""
-
     head: str = setting(help="Its heading.", min_length=1)
     value: str = setting(
         help="Its value: camera.VARIABLE, derived.QUANTITY, or test.SCORE, e.g. test.stereo.log_error.",
@@ -47,8 +45,6 @@ class TableRow(Settings):
 
 
 class StudiesConfig(Settings):
-    """Settings of the procedure."""
-
     problem: str = setting(
         help="The recipe of the studies: a path, or the name of a shipped one.", is_path=True
     )

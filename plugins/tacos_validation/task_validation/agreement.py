@@ -29,8 +29,6 @@ class OverSeeds:
 
 @dataclass(frozen=True)
 class Agreement:
-    """Agreement of two rankings."""
-
     tau: OverSeeds  # Kendall's rank correlation (tau-b), in -1..1
     same: float  # share of the seeds under which both put everything in one order, in 0..1
 

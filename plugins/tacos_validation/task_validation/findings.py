@@ -22,8 +22,6 @@ from tacos_validation.task_validation.agreement import (
 
 @dataclass(frozen=True, eq=False)
 class ValidationFindings:
-    """Scores and rankings."""
-
     cameras: tuple[str, ...]
     titles: tuple[str, ...]
     score: str  # the score that ranks them

@@ -39,16 +39,12 @@ _UNLIT_LUX = 300.0
 
 @dataclass(frozen=True)
 class Budget:
-    """Limits of a world."""
-
     triangles: int
     texture_memory_mb: float
 
 
 @dataclass(frozen=True, eq=False)
 class Sources:
-    """Sources of light."""
-
     lights: tuple[Light, ...]
     emission_scale: float  # luminance for one unit of emission in the file [cd/m2]
     surroundings: Surroundings | None

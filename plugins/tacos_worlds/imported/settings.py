@@ -16,8 +16,6 @@ Waypoint = Annotated[tuple[float, ...], Field(min_length=2, max_length=3)]
 
 
 class ImportedSettings(CarriedSettings):
-    """Settings of `scene.imported`."""
-
     file: str = setting(help="The world: a .glb, .gltf, .obj, .ply or .stl file.", is_path=True)
     labels: str = setting(
         "",

@@ -26,8 +26,6 @@ _CELLS_PER_FLOOR = 750
 
 @dataclass(frozen=True, eq=False)
 class Building:
-    """A furnished floor."""
-
     plan: FloorPlan
     room_kinds: tuple[str, ...]
     background: tuple[Piece, ...]  # pieces without label: structure and decoration

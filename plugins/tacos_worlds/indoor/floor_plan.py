@@ -47,8 +47,6 @@ class Door:
 
 @dataclass(frozen=True)
 class FloorPlan:
-    """Rooms and doors."""
-
     size_m: tuple[float, float]  # extent of the floor along x and y, from (0, 0) [m]
     cells: tuple[Rect, ...]  # rooms measured to the middle of the walls between them; they tile the floor [m]
     doors: tuple[Door, ...]

@@ -87,8 +87,6 @@ class TextureLibrary:
 
 
 class Textures(Protocol):
-    """Textures by name and variant."""
-
     def __getitem__(self, key: tuple[str, int], /) -> Texture: ...
 
 

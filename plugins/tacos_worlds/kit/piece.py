@@ -27,8 +27,6 @@ class Top:
 
 @dataclass(frozen=True)
 class Seat:
-    """A place to sit."""
-
     x_m: float  # where the hips of who sits there rest
     y_m: float
     height_m: float

@@ -22,8 +22,6 @@ _SUN_K = 5500.0
 
 @dataclass(frozen=True, eq=False)
 class Daylight:
-    """Light from above."""
-
     sun: Light | None  # the sun; None once it is down
     ambient_cd_m2: NDArray[np.float32]
     """(3,) mean luminance of the sky, weighted by the cosine from the zenith [cd/m2]."""

@@ -40,8 +40,6 @@ CALIBRATION = "camera.yaml"
 
 @dataclass(frozen=True, eq=False)
 class RecordedEpisode(Episode):
-    """Consecutive frames of a recording."""
-
     source: Source | None = None
     camera: Camera | None = None
     """What recorded it, at the resolution of its light, mounted as the settings say."""

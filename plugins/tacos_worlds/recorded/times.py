@@ -22,8 +22,6 @@ _STAMP = ("taken", "timestamp", "stamp", "time", "t")
 
 @dataclass(frozen=True)
 class TimedFile:
-    """A line of a table."""
-
     file: str
     stamp_ns: int
     exposure_ms: float | None  # by the table, else by the file's name; None where neither says

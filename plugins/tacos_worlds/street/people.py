@@ -32,8 +32,6 @@ _TRIES = 12
 
 @dataclass(frozen=True, eq=False)
 class Pedestrian:
-    """Somebody on a pavement."""
-
     piece: Piece  # the person where he or she rests
     trajectory: Trajectory | None  # from there to where the person is; None for those who stand
 

@@ -24,8 +24,6 @@ LEANING = 0.5 * (GRADIENT + RIPPLE) + 0.25 * PATTERNS[2], 0.2 * GRADIENT - 0.2 *
 
 
 class Gradient:
-    """One pattern."""
-
     class Config(Settings):
         amount: float = setting(0.0, help="How much.", ge=-100, le=100)
 

@@ -67,6 +67,5 @@ def faults(folder: Path, **options: Any) -> list[str]:
 
 
 def only(found: list[str]) -> str:
-    """The one fault that was found."""
     assert len(found) == 1, found
     return found[0]

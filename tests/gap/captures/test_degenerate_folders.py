@@ -52,7 +52,6 @@ def folder_of(
     noise: Any = KNOWN,
     **entry: Any,
 ) -> Path:
-    """A folder with one capture."""
     if isinstance(simulated, np.ndarray):
         save(folder / "expected.npy", simulated)
         simulated = "expected.npy"

@@ -167,8 +167,6 @@ def test_a_keeper_forgets_what_nobody_asks_for_again() -> None:
     keeper = Keeper(())
 
     class Known(PictureEvidence):
-        """Evidence that is kept."""
-
         labels: Sequence[Any] = ()
 
     Known.__abstractmethods__ = frozenset()

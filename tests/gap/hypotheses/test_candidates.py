@@ -35,8 +35,6 @@ class Dimming:
     """Takes light away."""
 
     class Config(Settings):
-        """Settings."""
-
         share: float = setting(0.0, help="Share of the light.", ge=0, le=1)
 
     stage: ClassVar[Stage] = "optics"
@@ -52,8 +50,6 @@ class Dimming:
 
 
 class Broken(Dimming):
-    """Has a defect."""
-
     def on_array(self, samples, *, geometry, context, rng):
         if self.config.share:
             raise ZeroDivisionError("a defect of the toy")
@@ -85,8 +81,6 @@ class Demanding(Dimming):
     """Has a setting without a default."""
 
     class Config(Settings):
-        """Settings."""
-
         share: float = setting(help="Share of the light.")
 
 

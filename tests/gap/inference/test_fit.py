@@ -161,8 +161,6 @@ class Sum(Curve):
     """Evidence of a bump and a tilt."""
 
     class Tilt:
-        """A slope."""
-
         class Config(Settings):
             slope: float = setting(0.0, help="Slope.")
 

@@ -10,8 +10,6 @@ from tacos_gap.procedures.progress import Telling, done_after
 
 
 class Heard:
-    """A progress that remembers."""
-
     def __init__(self) -> None:
         self.notes: list[str] = []
         self.twice = threading.Event()

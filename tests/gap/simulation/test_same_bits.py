@@ -177,8 +177,6 @@ class Wavering:
     """Brightens light by what it draws, or by how many frames it has seen."""
 
     class Config(Settings):
-        """Settings."""
-
         draws: float = setting(0.0, help="How much it draws.")
         remembers: float = setting(0.0, help="How much each frame adds.")
 

@@ -17,8 +17,6 @@ Positive = Annotated[float, Field(gt=0)]
 
 @dataclass(frozen=True)
 class BenchShot:
-    """One capture to take."""
-
     id: str
     kind: Kind
     scene: Use | None  # what is in front of the camera; None behind the cap

@@ -161,7 +161,6 @@ def _default(field: Schema) -> str:
 
 
 def settings_page(components: Iterable[Component]) -> str:
-    """The ports, scores and settings of components."""
     sections = [
         "# Settings of the components",
         NOTICE,

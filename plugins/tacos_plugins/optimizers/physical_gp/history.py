@@ -18,8 +18,6 @@ TIME = "time"
 
 @dataclass(frozen=True)
 class Trial:
-    """One candidate, evaluated."""
-
     genes: tuple[float, ...]
     round: int
     """When, counted from 0."""

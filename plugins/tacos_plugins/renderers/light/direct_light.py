@@ -26,8 +26,6 @@ _STOP_SHORT = 0.995  # of the way to the light, so that a lamp's own housing doe
 
 @dataclass(frozen=True, eq=False)
 class LightAtPoints:
-    """Light that arrives at N points."""
-
     irradiance_lux: NDArray[np.float32]
     """(N, 3) float32 [lux]."""
     towards: NDArray[np.float32]

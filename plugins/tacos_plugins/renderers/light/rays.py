@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, eq=False)
 class RayHits:
-    """First hits of rays with the mesh."""
-
     triangle: NDArray[np.int32]
     """(N,) int32; -1 where nothing is met."""
     distance: NDArray[np.float32]

@@ -43,8 +43,6 @@ ANISOTROPY = 16.0
 
 
 class GpuWorld:
-    """Buffers and textures of one world."""
-
     def __init__(self, context: moderngl.Context, world: World, lit: BakedMesh):
         self._context = context
         self.ambient_cd_m2 = world.ambient_cd_m2

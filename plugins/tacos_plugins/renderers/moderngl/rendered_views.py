@@ -22,8 +22,6 @@ _BAND_ROWS = 64  # of pixels whose half pixels are drawn together, so that they 
 
 @dataclass(frozen=True, eq=False)
 class RenderedView:
-    """A picture from one pose."""
-
     luminance_cd_m2: NDArray[np.float32]
     """(H, W, 3) float32, averaged over each pixel [cd/m2]."""
     depth_m: NDArray[np.float32]

@@ -22,8 +22,6 @@ COUNTED, NOT_COUNTED = 1.0, 0.0
 
 @dataclass(frozen=True, eq=False)
 class Detections:
-    """Detections in a frame."""
-
     boxes_px: NDArray[np.float32]
     """(K, 4) float32 left, top, right and bottom edge, as in `Labels` [px]."""
     classes: NDArray[np.int64]

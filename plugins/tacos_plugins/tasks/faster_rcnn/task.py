@@ -254,7 +254,6 @@ class DetectionScorer:
                 self._precision.add(example.labels, found)
 
     def detect(self, examples: Sequence[Example]) -> list[Detections]:
-        """Detections in each frame."""
         with (
             torch.inference_mode(),
             mixed_precision(self._device),

@@ -15,8 +15,6 @@ from tacos_plugins.tasks.stereo.pair import StereoPair
 
 @dataclass(frozen=True, eq=False)
 class StereoExample:
-    """One pair."""
-
     left_dn: NDArray[Any]
     right_dn: NDArray[Any]
     """(H, W, C) uint8 or uint16 linear images [DN]."""

@@ -17,8 +17,6 @@ HIGH_GAIN_DB = 12.0
 
 @dataclass(frozen=True, eq=False)
 class Acquisition:
-    """A capture to be taken."""
-
     id: str
     kind: str
     shots: tuple[IdealShot, ...]  # one, or one per frame of a sequence

@@ -19,8 +19,6 @@ Build = Callable[[float, np.random.Generator], InjectedEffect]
 
 @dataclass(frozen=True)
 class Withheld:
-    """An effect that can be withheld."""
-
     build: Build
     """Makes the effect of an amplitude; the generator draws what amplitude leaves open (signs, directions,
     shapes) and is seeded alike for every amplitude of a case."""

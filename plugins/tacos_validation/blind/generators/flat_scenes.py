@@ -111,8 +111,6 @@ def edges(camera: IdealCamera, rng: np.random.Generator) -> FlatScene:
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """A chart of even patches."""
-
     picture: FlatScene
     boxes: NDArray[np.int64]  # (P, 4) x, y, width, height in the image [px]
     colours: Image  # (P, 3) expected light, above the pedestal [DN]

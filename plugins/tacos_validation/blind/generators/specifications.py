@@ -33,8 +33,6 @@ CAPTURES, KEPT_BACK = "captures", "kept_back"
 
 @dataclass(frozen=True)
 class CaseSpecification:
-    """A case to be made."""
-
     case: str
     seed: int
     tier: str

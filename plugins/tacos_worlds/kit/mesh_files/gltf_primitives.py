@@ -15,8 +15,6 @@ from tacos_worlds.kit.mesh_files.gltf_notes import DRACO, remedy_for
 
 
 class Primitive:
-    """A primitive and its numbers."""
-
     def __init__(self, buffers: Buffers, entry: Json) -> None:
         self._buffers, self._entry = buffers, entry
         self.attributes: Json = entry.get("attributes", {})

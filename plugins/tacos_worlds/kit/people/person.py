@@ -56,8 +56,6 @@ _LEAST_HEAD_M = 0.2
 
 @dataclass(frozen=True)
 class Build:
-    """The size of a body."""
-
     height_m: float  # upright, without shoes [m]
     girth: float  # over that of a slim body of the same height [1]
     sides: int  # corners of a ring of the trunk: how smooth it is drawn

@@ -13,8 +13,6 @@ STEP_M = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Route:
-    """A path on the floor."""
-
     points_m: NDArray[np.float64]  # (N, 2) points, about `STEP_M` apart [m]
     door_at: tuple[tuple[int, int], ...]
     """For each doorway crossed, in order: (index of the path's point on its middle, index of the door)."""

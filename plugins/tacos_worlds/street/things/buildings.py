@@ -42,8 +42,6 @@ Parts = list[tuple[Mesh, Finish]]
 
 @dataclass(frozen=True)
 class House:
-    """Building of a row."""
-
     width_m: float  # x from 0 to the width
     depth_m: float  # y from 0, the street, to the depth
     floors: int

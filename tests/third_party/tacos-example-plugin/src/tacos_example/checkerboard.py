@@ -19,8 +19,6 @@ class Checkerboard:
     """
 
     class Config(Settings):
-        """Settings of the task."""
-
         inner_corners: tuple[int, int] = setting((7, 5), help="Inner corners across and down.")
 
     scores: ClassVar[tuple[str, ...]] = ("found_ratio",)
@@ -41,7 +39,6 @@ class CheckerboardScorer:
         self._found = self._seen = 0
 
     def update(self, frames: FrameBatch) -> None:
-        """Look at the next batch."""
         for image in frames.images[0]:
             grey = grey_image(image, frames.black_level_dn, frames.white_level_dn)
             found, _ = cv2.findChessboardCornersSB(grey, self._inner_corners)

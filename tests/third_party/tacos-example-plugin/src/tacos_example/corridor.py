@@ -20,8 +20,6 @@ class Corridor:
     """An agent walks at constant speed towards a checkerboard; the corridor's length is drawn."""
 
     class Config(Settings):
-        """Settings of the scene."""
-
         frames: int = setting(12, help="Frames of an episode.", ge=1)
         length_m: tuple[float, float] = setting((6.0, 12.0), help="Range of the length.", unit="m")
         width_m: float = setting(2.0, help="Distance of the side walls.", unit="m", gt=0.5)

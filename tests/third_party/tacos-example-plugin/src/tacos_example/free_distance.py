@@ -26,8 +26,6 @@ class FreeDistance:
     """
 
     class Config(Settings):
-        """Settings of the task."""
-
         ridge: float = setting(1e-3, help="Weight of the penalty on large coefficients.", gt=0)
 
     scores: ClassVar[tuple[str, ...]] = ("log_error",)
@@ -66,7 +64,6 @@ class DistanceScorer:
         self._errors: list[float] = []
 
     def update(self, frames: FrameBatch) -> None:
-        """Predict for the next batch."""
         for features, target in zip(thumbnails(frames), log_distance_ahead(frames), strict=True):
             self._errors.append(abs(float(features @ self._coefficients) - float(target)))
 

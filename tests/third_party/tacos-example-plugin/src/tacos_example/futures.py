@@ -20,8 +20,6 @@ class FuturesExecutor:
     """
 
     class Config(Settings):
-        """Settings of the executor."""
-
         workers: int = setting(2, help="Worker processes.", ge=1)
 
     def __init__(self, config: Config) -> None:

@@ -42,8 +42,6 @@ class Haze:
     """
 
     class Config(Settings):
-        """Settings of the effect."""
-
         extinction_per_m: float = setting(
             0.0, help="Extinction of the air; 0.004 in fog.", unit="1/m", ge=0, le=10
         )

@@ -27,8 +27,6 @@ class Heading:
     """
 
     class Config(Settings):
-        """Settings of the task."""
-
         tolerance_px: float = setting(
             1.0, help="Farthest that a corner of the estimate may lie off.", unit="px", gt=0
         )

@@ -15,8 +15,6 @@ class Highlights:
     """
 
     class Config(Settings):
-        """Settings of the control."""
-
         percentile: float = setting(
             99.0, help="Share of pixels that must not be full.", unit="%", gt=0, le=100
         )

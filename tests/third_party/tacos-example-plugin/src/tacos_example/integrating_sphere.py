@@ -21,8 +21,6 @@ class IntegratingSphere:
     """
 
     class Config(Settings):
-        """Settings of the renderer."""
-
         near_m: float = setting(0.01, help="Surfaces nearer than this are not seen.", unit="m", gt=0)
 
     def __init__(self, config: Config) -> None:

@@ -21,8 +21,6 @@ class LatinHypercube:
     """
 
     class Config(Settings):
-        """Settings of the optimizer."""
-
         evaluations: int = setting(100, help="Candidates in all, and strata of each gene.", ge=1)
         batch: int = setting(10, help="Candidates asked at a time.", ge=1)
 
@@ -37,7 +35,6 @@ class LatinHypercube:
 
     @property
     def expected_candidates(self) -> int:
-        """All evaluations."""
         return self.config.evaluations
 
     def ask(self) -> list[Candidate]:

@@ -18,8 +18,6 @@ class MonochromeSensor:
     """
 
     class Config(Settings):
-        """Settings of the sensor."""
-
         sensitivity_e_per_lux_s_um2: float = setting(
             2500.0,
             help="Electrons for each lux second and um2; 2500 is a quantum efficiency of 0.6 in green light.",

@@ -33,7 +33,6 @@ class PanoramaRig:
         self.config = config
 
     def build(self, variables: Variables) -> Rig:
-        """The ring of these variables."""
         half_width_mm = variables.width_px * self.config.pixel_um * 1e-3 / 2
         focal_length_mm = half_width_mm / math.tan(math.radians(variables.hfov_deg / 2))
         cameras = []

@@ -41,8 +41,6 @@ class PointTracks:
     """
 
     class Config(Settings):
-        """Settings of the transform."""
-
         corners: int = setting(200, help="Corners followed at most.", ge=8, le=5000)
         window_px: int = setting(15, help="Width of the window that is compared.", unit="px", ge=5, le=63)
         return_px: float = setting(1.0, help="Farthest that a corner may return off.", unit="px", gt=0)

@@ -34,8 +34,6 @@ class Preview:
     """
 
     class Config(Settings):
-        """Settings of the procedure."""
-
         scene: Use = setting(help="Scene to look at.")
         renderer: Use = setting(Use(use="renderer.moderngl"), help="Its renderer.")
         illumination_lux: float = setting(20.0, help="Light of the scene.", unit="lux", gt=0)
