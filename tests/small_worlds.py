@@ -107,6 +107,17 @@ def world(
     )
 
 
+def panel(at_m: ArrayLike, half_m: float, flux_lm: ArrayLike) -> Light:
+    """A square lamp that shines downwards; `flux_lm`: in all, or of each channel."""
+    return Light(
+        np.asarray(at_m, np.float64),
+        np.ones(3) * flux_lm,
+        normal=np.array([0, 0, -1.0]),
+        half_u_m=np.array([half_m, 0, 0]),
+        half_v_m=np.array([0, half_m, 0]),
+    )
+
+
 def pose(eye_m: ArrayLike, towards: ArrayLike = (1.0, 0.0, 0.0)) -> NDArray[np.float64]:
     """(4, 4) pose of an agent at a place, facing a direction, upright."""
     forward = np.asarray(towards, np.float64) / np.linalg.norm(towards)

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.ndimage import binary_erosion, uniform_filter
-from small_worlds import box, camera, matte, pose, quad, rig, room, standing, world
+from small_worlds import box, camera, matte, panel, pose, quad, rig, room, standing, world
 
-from tacos_framework.values import Exposure, Light, Material
+from tacos_framework.values import Exposure, Material
 from tacos_plugins.renderers.light.probe_map import map_probes
 from tacos_plugins.renderers.mitsuba.renderer import MitsubaRenderer
 from tacos_plugins.renderers.moderngl import device
@@ -32,18 +32,9 @@ def two_rooms():
         *box((-0.05, 0.5, 0), (0.05, 2, 2.5), material=1),
     ]
     shelf = box((-2.5, 1.4, 0), (-1.5, 2, 1.2), material=1, object_id=2)
-    lamps = [panel(x, flux_lm) for x, flux_lm in ((-3.0, 300.0), (3.0, 5000.0))]
+    lamps = [panel((x, 0, 2.4), 0.5, flux_lm) for x, flux_lm in ((-3.0, 300.0), (3.0, 5000.0))]
     materials = [Material("polished", np.full(3, 0.2), roughness=0.3), matte(0.5)]
     return world([floor, *shell, *beside_the_door, *shelf], materials, lamps, indirect_lux=None)
-
-
-def panel(x_m, flux_lm):
-    """A lamp of a square metre below the ceiling, which shines downwards."""
-    half_u_m, half_v_m = np.array([0.5, 0, 0]), np.array([0, 0.5, 0])
-    down = np.array([0, 0, -1.0])
-    return Light(
-        np.array([x_m, 0, 2.4]), np.full(3, flux_lm), normal=down, half_u_m=half_u_m, half_v_m=half_v_m
-    )
 
 
 def luminance(renderer, place):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from small_worlds import box, camera, matte, pose, quad, rig, room, standing, world
+from small_worlds import box, camera, matte, panel, pose, quad, rig, room, standing, world
 
 from tacos_framework.values import Exposure, Light, Material
 from tacos_plugins.renderers.analytic import AnalyticRenderer
@@ -37,13 +37,7 @@ def test_lambertian_plane_under_a_small_sphere(renderer):
 
 @pytest.mark.parametrize("renderer", BOTH)
 def test_lambertian_plane_under_a_rectangle(renderer):
-    light = Light(
-        np.array([0, 0, 2.5]),
-        np.full(3, 500.0),
-        normal=np.array([0, 0, -1.0]),
-        half_u_m=np.array([0.5, 0, 0]),
-        half_v_m=np.array([0, 0.5, 0]),
-    )
+    light = panel((0, 0, 2.5), 0.5, 500.0)
     seen = luminance(renderer, world([FLOOR], [matte(1.0)], [light]))
     # Form factor of a rectangle from a point below its corner, four times (Howell, catalogue B-4).
     a = 0.5 / 2.5
@@ -74,13 +68,7 @@ def test_emission_is_seen_as_it_is(renderer):
 @pytest.mark.gl
 def test_indirect_light_is_baked_where_a_world_has_none():
     # In a closed white room almost all light has been reflected: walls out of the lamp's sight are lit too.
-    lamp = Light(
-        np.array([0, 0, 2.4]),
-        np.full(3, 900.0),
-        normal=np.array([0, 0, -1.0]),
-        half_u_m=np.array([0.3, 0, 0]),
-        half_v_m=np.array([0, 0.3, 0]),
-    )
+    lamp = panel((0, 0, 2.4), 0.3, 900.0)
     place = world(room((-2, -2, 0), (2, 2, 2.5)), [matte(0.7)], [lamp], indirect_lux=None)
     ceiling = luminance(MODERNGL, place, pose((0.0, 1.0, 1.0), (1e-3, 0, 1.0)))
     assert ceiling[24, 32].min() > 1.0
@@ -110,13 +98,7 @@ def test_renderers_agree_where_nothing_is_shaded():
 
 @pytest.mark.gl
 def test_shadow_is_dark_in_its_core_and_soft_at_its_edge():
-    lamp = Light(
-        np.array([0, 0, 3.0]),
-        np.full(3, 1000.0),
-        normal=np.array([0, 0, -1.0]),
-        half_u_m=np.array([0.3, 0, 0]),
-        half_v_m=np.array([0, 0.3, 0]),
-    )
+    lamp = panel((0, 0, 3.0), 0.3, 1000.0)
     blocker = box((-0.5, -0.5, 1.0), (0.5, 0.5, 1.05), object_id=1)
     from_below = pose((0.0, 0.0, 0.9), (1e-3, 0.0, -1.0))
     shaded, open_to_light = (
@@ -135,13 +117,7 @@ def test_shadow_is_dark_in_its_core_and_soft_at_its_edge():
 @pytest.mark.gl
 def test_lamps_do_not_shade_their_own_light():
     housing = box((-0.4, -0.4, 2.45), (0.4, 0.4, 2.55), material=1)
-    light = Light(
-        np.array([0, 0, 2.5]),
-        np.full(3, 500.0),
-        normal=np.array([0, 0, -1.0]),
-        half_u_m=np.array([0.4, 0, 0]),
-        half_v_m=np.array([0, 0.4, 0]),
-    )
+    light = panel((0, 0, 2.5), 0.4, 500.0)
     glowing = matte(emission_cd_m2=np.full(3, 100.0))
     bare = luminance(MODERNGL, world([FLOOR], [matte()], [light]))
     housed = luminance(MODERNGL, world([FLOOR, *housing], [matte(), glowing], [light]))
@@ -196,13 +172,7 @@ def test_normal_map_brightens_slopes_that_face_the_light():
 
 @pytest.mark.gl
 def test_polished_metal_mirrors_the_lamp_and_matte_paint_does_not():
-    lamp = Light(
-        np.array([2.0, 0, 2.0]),
-        np.full(3, 300.0),
-        normal=np.array([0, 0, -1.0]),
-        half_u_m=np.array([0.2, 0, 0]),
-        half_v_m=np.array([0, 0.2, 0]),
-    )
+    lamp = panel((2.0, 0, 2.0), 0.2, 300.0)
     metal = Material("metal", np.full(3, 0.9), roughness=0.1, metallic=1.0)
     looking = pose((0.0, 0.0, 2.0), (1.0, 0.0, -2.0))  # meets the floor midway: the lamp's reflection
     peaks = {}

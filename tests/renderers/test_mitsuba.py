@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from pydantic import ValidationError
-from small_worlds import box, camera, matte, moving, pose, quad, rig, room, standing, world
+from small_worlds import box, camera, matte, moving, panel, pose, quad, rig, room, standing, world
 
 from tacos_framework.camera.geometry import agent_from_camera, pixel_rays, project
 from tacos_framework.errors import UserError
@@ -33,14 +33,8 @@ def seen(renderer, place, at=DOWN, seen_by=SMALL):
     return capture.views[0].luminance_cd_m2[0].astype(np.float64)
 
 
-def panel(height_m, edge_m=0.2, flux_lm=500.0):
-    return Light(
-        np.array([0, 0, height_m]),
-        np.array([1.0, 0.8, 0.5]) * flux_lm,
-        normal=np.array([0, 0, -1.0]),
-        half_u_m=np.array([edge_m / 2, 0, 0]),
-        half_v_m=np.array([0, edge_m / 2, 0]),
-    )
+def warm_panel(height_m, edge_m=0.2, flux_lm=500.0):
+    return panel((0, 0, height_m), edge_m / 2, np.array([1.0, 0.8, 0.5]) * flux_lm)
 
 
 def tiled(side, count):
@@ -63,7 +57,7 @@ def tiled(side, count):
 
 @pytest.mark.parametrize("renderer", BOTH)
 def test_lambertian_plane_under_a_small_panel(renderer):
-    light = panel(2.5)
+    light = warm_panel(2.5)
     picture = seen(renderer, world([FLOOR], [matte(0.6)], [light]))
     irradiance = light.flux_lm / (np.pi * 2.5**2)  # E = I / d^2 with I = flux / pi straight below
     np.testing.assert_allclose(picture[5:7, 7:9].mean(axis=(0, 1)), 0.6 * irradiance / np.pi, rtol=0.02)
@@ -80,7 +74,7 @@ def test_lambertian_plane_under_a_sphere(renderer):
 @pytest.mark.parametrize("renderer", BOTH)
 def test_a_glowing_panel_lights_as_much_as_its_light(renderer):
     # The lamp stands in the world twice, as a light and as what cameras see of it.
-    light = panel(2.5)
+    light = warm_panel(2.5)
     shown = quad((0, 0, 2.501), (0, 0.1, 0), (0.1, 0, 0), material=1)
     glow = matte(0.8, emission_cd_m2=light.flux_lm / (np.pi * 0.04))
     picture = seen(renderer, world([FLOOR, shown], [matte(0.6), glow], [light]))
@@ -110,7 +104,7 @@ def test_integrating_box(renderer):
 
 
 def furnished():
-    lamp = panel(2.39, edge_m=0.6, flux_lm=1500.0)
+    lamp = warm_panel(2.39, edge_m=0.6, flux_lm=1500.0)
     walls = [tiled(side, 6) for side in room((-2, -2, 0), (2, 2, 2.4))]
     parts = [*walls, *box((0.6, -0.3, 0), (1.1, 0.3, 0.8), material=1, object_id=1)]
     return world(parts, [matte(0.6), matte(0.3)], [lamp], indirect_lux=None)
@@ -256,7 +250,7 @@ def test_an_old_llvm_is_refused_before_it_ends_the_process(monkeypatch):
 
 
 def test_paths_spread_evenly_take_less_noise():
-    lit = world([FLOOR], [matte(0.5)], lights=[panel(2.5, edge_m=1.0)])
+    lit = world([FLOOR], [matte(0.5)], lights=[warm_panel(2.5, edge_m=1.0)])
     spread = {}
     for sampler in ("independent", "low-discrepancy"):
         config = MitsubaRenderer.Config(samples=64, sampler=sampler)
