@@ -86,6 +86,14 @@ def run(recipe: Recipe, toys: Plugins, out: Path, **options: Any) -> dict[str, A
     return run_recipe(recipe, out=out, plugins=toys, report=False, **options)
 
 
+def begun_as(finished: Path, out: Path) -> Path:
+    """The folder of a run that broke off before any result, as `finished` was then."""
+    out.mkdir()
+    for name in ("recipe.yaml", "manifest.json", "run.sqlite"):
+        (out / name).write_bytes((finished / name).read_bytes())
+    return out
+
+
 def comparable(result: Mapping[str, Any]) -> dict[str, Any]:
     """A result without what may differ between equal runs: times and the machine."""
     return {k: v for k, v in result.items() if k not in ("seconds", "seconds_by_node", "environment")}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +17,21 @@ FLEA3_GREEN = {"photon_dn": 0.12, "thermal_dn2": 0.91}
 
 def flea3_ratio(gain_db: float, pixel_um: float) -> float:
     return gain_ratio(gain_db, pixel_um, calibrated_gain_db=15.0, calibrated_pixel_um=1.55)
+
+
+def noisy_of(
+    samples: np.ndarray, *, black_level_dn: float = 0.0, photon_dn: Any, thermal_dn2: Any, seed: int
+) -> np.ndarray:
+    noisy = np.empty_like(samples)
+    add_noise(
+        samples,
+        noisy,
+        black_level_dn=black_level_dn,
+        photon_dn=np.float32(photon_dn),
+        thermal_dn2=np.float32(thermal_dn2),
+        rng=np.random.default_rng(seed),
+    )
+    return noisy
 
 
 def test_at_the_calibrated_setting_the_model_is_the_calibration():
@@ -70,15 +86,7 @@ def test_signal_below_black_has_the_noise_of_black():
 def test_drawn_noise_has_no_bias_and_the_variance_of_the_model(signal_dn):
     samples = np.full((400, 400, 3), 16.0 + signal_dn, np.float32)
     photon, thermal = np.float32([0.24, 0.12, 0.29]), np.float32([1.82, 0.91, 3.2])
-    noisy = np.empty_like(samples)
-    add_noise(
-        samples,
-        noisy,
-        black_level_dn=16.0,
-        photon_dn=photon,
-        thermal_dn2=thermal,
-        rng=np.random.default_rng(3),
-    )
+    noisy = noisy_of(samples, black_level_dn=16.0, photon_dn=photon, thermal_dn2=thermal, seed=3)
     expected = photon * signal_dn + thermal
     count = samples.shape[0] * samples.shape[1]
     np.testing.assert_array_less(abs(noisy.mean((0, 1)) - samples[0, 0]), 5 * np.sqrt(expected / count))
@@ -87,15 +95,7 @@ def test_drawn_noise_has_no_bias_and_the_variance_of_the_model(signal_dn):
 
 def test_drawn_noise_is_gaussian_and_independent_between_pixels_and_channels():
     samples = np.full((300, 300, 3), 100.0, np.float32)
-    noisy = np.empty_like(samples)
-    add_noise(
-        samples,
-        noisy,
-        black_level_dn=0.0,
-        photon_dn=np.float32(0.1),
-        thermal_dn2=np.float32(0.0),
-        rng=np.random.default_rng(4),
-    )
+    noisy = noisy_of(samples, photon_dn=0.1, thermal_dn2=0.0, seed=4)
     z = (noisy - 100) / np.sqrt(10)
     assert abs(np.mean(z**3)) < 0.03
     assert np.mean(z**4) == pytest.approx(3.0, abs=0.06)
@@ -105,15 +105,7 @@ def test_drawn_noise_is_gaussian_and_independent_between_pixels_and_channels():
 
 def test_drawn_noise_below_black_is_that_of_black():
     samples = np.full((300, 300, 3), 6.0, np.float32)
-    noisy = np.empty_like(samples)
-    add_noise(
-        samples,
-        noisy,
-        black_level_dn=16.0,
-        photon_dn=np.float32(0.24),
-        thermal_dn2=np.float32(4.0),
-        rng=np.random.default_rng(5),
-    )
+    noisy = noisy_of(samples, black_level_dn=16.0, photon_dn=0.24, thermal_dn2=4.0, seed=5)
     assert noisy.var() == pytest.approx(4.0, rel=5 * math.sqrt(2 / samples.size))
 
 

@@ -9,12 +9,18 @@ from typing import Any
 import numpy as np
 
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
+from tacos_framework.plugins import Plugins
 from tacos_framework.values import ImageContext, ImageGeometry
 from tacos_gap.captures import Noise, RealCapture
 from tacos_gap.simulation.formation import simulate
 
 WIDTH, HEIGHT = 160, 120
 BLACK_DN = 16.0
+
+
+def effects_named(*names: str) -> dict[str, type[Any]]:
+    plugins = Plugins.discover()
+    return {name: plugins.resolve(f"effect.{name}") for name in names}
 
 
 def capture(name: str, kind: str, expected: Any, frames: int = 2, exposure_ms: float = 10.0) -> RealCapture:

@@ -117,19 +117,6 @@ def test_a_generation_that_fails_as_a_whole_is_left_behind():
     assert not set(optimizer.ask()) & {*first, *second}
 
 
-@pytest.mark.parametrize("wrong", [float("nan"), float("inf")])
-def test_a_fitness_that_is_no_finite_number_is_refused(wrong):
-    optimizer = make()
-    with pytest.raises(ValueError, match="not a finite number"):
-        optimizer.tell([Evaluated(candidate, wrong) for candidate in optimizer.ask()])
-
-
-def test_results_of_other_candidates_are_refused():
-    optimizer = make()
-    with pytest.raises(ValueError, match="candidates last asked"):
-        optimizer.tell([Evaluated(candidate, 1.0) for candidate in optimizer.ask()[::-1]])
-
-
 def test_a_population_that_cannot_be_ranked_is_refused():
     with pytest.raises(ValidationError, match="population of 2 cannot be ranked"):
         CmaEs.Config(population=2)

@@ -150,19 +150,6 @@ def test_values_without_order_are_told_as_such():
     assert kinds == {"lens": "CategoricalDistribution", "n": "IntDistribution"}
 
 
-@pytest.mark.parametrize("wrong", [float("nan"), float("inf")])
-def test_a_fitness_that_is_no_finite_number_is_refused(wrong):
-    optimizer = make()
-    with pytest.raises(ValueError, match="not a finite number"):
-        optimizer.tell([Evaluated(candidate, wrong) for candidate in optimizer.ask()])
-
-
-def test_results_of_other_candidates_are_refused():
-    optimizer = make(batch=2)
-    with pytest.raises(ValueError, match="candidates last asked"):
-        optimizer.tell([Evaluated(candidate, 1.0) for candidate in optimizer.ask()[::-1]])
-
-
 def test_a_product_that_leaves_nothing_free_is_searched_all_the_same():
     assert search(make(DesignSpace([]), evaluations=3), lambda _: 1.0) == 1.0
 

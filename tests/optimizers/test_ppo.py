@@ -98,15 +98,6 @@ def test_a_policy_whose_candidates_all_fail_goes_on():
     assert climb(make(evaluations=40, rollout=8), lambda _: None) == [None] * 40
 
 
-def test_what_was_not_asked_is_refused():
-    search = make(evaluations=8)
-    asked = search.ask()
-    with pytest.raises(ValueError, match="last asked"):
-        search.tell([Evaluated(candidate, 0.0) for candidate in reversed(asked)])
-    with pytest.raises(ValueError, match="not a finite number"):
-        search.tell([Evaluated(candidate, float("nan")) for candidate in asked])
-
-
 def test_cameras_move_within_the_space_and_begin_anew_in_time():
     designers = Designers(2, 3, steps=2, step_size=0.5, rng=np.random.default_rng(1))
     designers.points = np.array([[0.9, 0.5, 0.1], [0.0, 1.0, 0.5]])

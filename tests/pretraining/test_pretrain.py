@@ -14,6 +14,7 @@ import toy_plugin
 import yaml
 from safetensors import safe_open
 from safetensors.numpy import load_file
+from toy_study import begun_as
 
 from tacos_framework import ProcedureRecipe, UserError, load_recipe, run
 from tacos_framework.plugins import Plugins
@@ -165,10 +166,7 @@ def test_a_broken_run_goes_on_to_the_same_weights(done, problem, plugins, tmp_pa
 
 def test_images_that_are_there_are_not_rendered_again(done, problem, plugins, tmp_path):
     _, finished = done
-    out = tmp_path / "again"
-    out.mkdir()
-    for name in ("recipe.yaml", "manifest.json", "run.sqlite"):
-        (out / name).write_bytes((finished / name).read_bytes())
+    out = begun_as(finished, tmp_path / "again")
     Results(out).remove("epochs.jsonl")
     (finished / "frames").rename(out / "frames")
     try:

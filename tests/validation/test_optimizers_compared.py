@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 import yaml
-from toy_study import toy_recipe
+from toy_study import begun_as, toy_recipe
 
 from tacos_framework import ProcedureRecipe, UserError, run
 from tacos_framework.components import Component
@@ -207,10 +207,7 @@ def test_a_broken_run_goes_on_and_renders_nothing_twice(compared, problem, plugi
     import toy_plugin
 
     whole, finished = compared
-    out = tmp_path / "broken"
-    out.mkdir()
-    for name in ("recipe.yaml", "manifest.json", "run.sqlite"):
-        (out / name).write_bytes((finished / name).read_bytes())
+    out = begun_as(finished, tmp_path / "broken")
     kept = (finished / "scores.jsonl").read_text().splitlines()
     Results(out).write_lines("scores.jsonl", map(json.loads, kept[:60]))
     with (out / "scores.jsonl").open("a") as file:

@@ -15,7 +15,7 @@ import pytest
 import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from toy_study import FROM_CATALOG, merged
+from toy_study import FROM_CATALOG, begun_as, merged
 
 from tacos_framework import ProcedureRecipe, UserError, run
 from tacos_framework.recipe import Use
@@ -238,10 +238,7 @@ def test_a_broken_run_goes_on_where_it_stopped(ranked, study, toys, tmp_path):
     import toy_plugin
 
     whole, finished = ranked
-    out = tmp_path / "broken"
-    out.mkdir()
-    for name in ("recipe.yaml", "manifest.json", "run.sqlite"):
-        (out / name).write_bytes((finished / name).read_bytes())
+    out = begun_as(finished, tmp_path / "broken")
     kept = (finished / "scores.jsonl").read_text().splitlines()
     Results(out).write_lines("scores.jsonl", map(json.loads, kept[:50]))
     before = toy_plugin.WidthTask.begun

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 import toy_plugin
 import yaml
+from toy_study import FROM_CATALOG
 
 from tacos_framework import ProcedureRecipe, UserError, run
 from tacos_framework.recipe import Use
@@ -24,22 +25,11 @@ from tacos_validation.studies_table.settings import SummaryColumn, TableRow
 from tacos_validation.studies_table.table import StudiesTable
 
 PROBLEM = {
-    "tacos": 1,
-    "name": "toy",
-    "seed": 3,
-    "rig": {"use": "rig.monocular", "binning": 128},
+    **FROM_CATALOG,
     "design": {"focal_length_mm": {"between": [1, 20]}, "sensor": {"from": "image_sensors"}},
-    "nodes": {
-        "world": {"use": "scene.toy", "frames": 3},
-        "capture": {"use": "renderer.toy", "in": {"episode": "world"}},
-        "frames": {"use": "sensor.toy", "in": {"capture": "capture"}},
-        "width": {"use": "task.toy-width", "in": {"frames": "frames"}},
-    },
-    "fitness": [{"score": "width.closeness", "weight": 1}],
+    "constraints": {},
     "optimizer": {"use": "optimizer.genetic", "population": 4, "keep": 1, "parents": 2, "generations": 3},
-    "study": {"renew_episodes": "never"},
     "compare": {"cameras": ["flea3"]},
-    "test": {"seed": 9, "frames": 2, "episodes": 1},
 }
 SETTINGS: dict[str, Any] = {
     "studies": {

@@ -12,7 +12,7 @@ from tacos_framework.plugins import Plugins
 from tacos_gap.answer.diagnosis import diagnose
 from tacos_gap.answer.findings import Diagnosis, SoFar
 from tacos_gap.captures import CaptureFolder
-from tests.gap.small_captures import bench, capture, placed, taken
+from tests.gap.small_captures import bench, capture, effects_named, placed, taken
 
 FEW = (
     "vignetting",
@@ -29,8 +29,7 @@ FEW = (
 
 @pytest.fixture(scope="module")
 def effects() -> dict[str, type[Any]]:
-    plugins = Plugins.discover()
-    return {name: plugins.resolve(f"effect.{name}") for name in FEW}
+    return effects_named(*FEW)
 
 
 def run(captures: list[Any], effects: dict[str, type[Any]]) -> Diagnosis:
@@ -118,8 +117,7 @@ def test_an_effect_outside_the_catalogue_is_unknown(effects):
 
 
 def test_one_frame_of_one_flat_does_not_tell_the_lens_from_the_light(effects):
-    plugins = Plugins.discover()
-    more = {**effects, "illumination-gradient": plugins.resolve("effect.illumination-gradient")}
+    more = {**effects, **effects_named("illumination-gradient")}
     flat = taken([capture("flat", "flat", 120.0, frames=1)], [make(effects, "vignetting", k1=-0.3)])
     found = run(flat, more)
     assert {"vignetting", "illumination-gradient"} <= set(found.cause_set)
@@ -136,8 +134,7 @@ def test_the_same_seed_gives_the_same_diagnosis(effects):
 
 
 def test_what_arithmetic_tells_begins_the_search_and_ends_some_of_it(effects):
-    plugins = Plugins.discover()
-    more = {**effects, "illumination-gradient": plugins.resolve("effect.illumination-gradient")}
+    more = {**effects, **effects_named("illumination-gradient")}
     both = [make(effects, "vignetting", k1=-0.3), make(effects, "prnu", sigma=0.01)]
     captures = CaptureFolder(Path("captures"), tuple(taken(bench(), both)))
     kept: list[SoFar] = []

@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 from tacos_framework.errors import UserError
-from tacos_framework.plugins import Plugins
 from tacos_gap.answer.diagnosis import diagnose
 from tacos_gap.answer.gathering import gather
 from tacos_gap.answer.undiagnosed import NothingMeasured
@@ -26,6 +25,7 @@ from tacos_gap.inference.unknown import unexplained
 from tacos_gap.statistics import Sample, measure
 from tests.gap.captures.folders import describe, save, save_frames
 from tests.gap.captures.random_folders import random_folder
+from tests.gap.small_captures import effects_named
 
 WIDTH, HEIGHT = 64, 48
 KNOWN = {"photon_dn": 0.24, "thermal_dn2": 1.8}
@@ -182,8 +182,7 @@ def test_a_dark_at_zero_counts_beside_captures_that_show_something(tmp_path):
 
 @pytest.mark.parametrize("name", ["no pedestal", "constant", "tiny", "uncertain colours"])
 def test_a_degenerate_folder_is_diagnosed(tmp_path, name):
-    plugins = Plugins.discover()
-    effects = {use: plugins.resolve(f"effect.{use}") for use in ("black-level", "read-noise", "saturation")}
+    effects = effects_named("black-level", "read-noise", "saturation")
     found = diagnose(read_captures(folder_of(tmp_path, **DEGENERATE[name])), effects, workers=1)
     assert np.isfinite([found.gap_before, found.gap_after, *found.gap_interval]).all()
 

@@ -15,14 +15,13 @@ from PIL import Image
 
 from tacos_files.jpeg_coding import JpegCoding, jpeg_coding, nearest_quality
 from tacos_framework.contracts.observed import FileCoding
-from tacos_framework.plugins import Plugins
 from tacos_gap.answer.diagnosis import diagnose
 from tacos_gap.answer.findings import Diagnosis
 from tacos_gap.captures import CaptureFolder, read_captures
 from tacos_gap.hypotheses.parameters import HypothesisTerm, initial_guesses_for
 from tacos_gap.inference.discrete import whole_numbers
 from tacos_plugins.effects.jpeg import Jpeg
-from tests.gap.small_captures import BLACK_DN, HEIGHT, WIDTH, capture
+from tests.gap.small_captures import BLACK_DN, HEIGHT, WIDTH, capture, effects_named
 
 QUALITIES = {"flat_40": 95, "flat_100": 88, "flat_180": 80}
 
@@ -143,9 +142,7 @@ def test_files_that_say_nothing_suggest_nothing():
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory) -> Diagnosis:
-    plugins = Plugins.discover()
-    names = ("jpeg", "prnu", "read-noise", "denoise", "quantisation", "crosstalk")
-    effects = {name: plugins.resolve(f"effect.{name}") for name in names}
+    effects = effects_named("jpeg", "prnu", "read-noise", "denoise", "quantisation", "crosstalk")
     return diagnose(flats_in_files(tmp_path_factory.mktemp("flats"), 0.02), effects, seed=3)
 
 

@@ -13,22 +13,19 @@ from scipy.signal import fftconvolve
 from skimage.morphology import disk
 from skimage.transform import downscale_local_mean
 
-from tacos_framework.plugins import Plugins
 from tacos_gap.answer.diagnosis import diagnose
 from tacos_gap.answer.findings import Diagnosis
 from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.hypotheses.parameters import HypothesisTerm, initial_guesses_for
 from tacos_plugins.effects.defocus import Defocus
-from tests.gap.small_captures import BLACK_DN, HEIGHT, WIDTH, capture
+from tests.gap.small_captures import BLACK_DN, HEIGHT, WIDTH, capture, effects_named
 
 _FINE = 8
-FEW = ("defocus", "lens-blur", "exposure-error")
 
 
 @pytest.fixture(scope="module")
 def effects() -> dict[str, type[Any]]:
-    plugins = Plugins.discover()
-    return {name: plugins.resolve(f"effect.{name}") for name in FEW}
+    return effects_named("defocus", "lens-blur", "exposure-error")
 
 
 def texture(seed: int) -> np.ndarray:

@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 from tacos_framework.formation import EpisodeDraws, PlacedEffect
-from tacos_framework.plugins import Plugins
 from tacos_gap.answer.diagnosis import diagnose
 from tacos_gap.answer.findings import Diagnosis
 from tacos_gap.captures import CaptureFolder, RealCapture
@@ -30,7 +29,7 @@ from tacos_gap.nuisances import (
     with_noise_of_expectation,
 )
 from tacos_gap.simulation.formation import lit_by, simulate
-from tests.gap.small_captures import BLACK_DN, HEIGHT, WIDTH, capture, placed
+from tests.gap.small_captures import BLACK_DN, HEIGHT, WIDTH, capture, effects_named, placed
 from tests.gap.taken import patchwork
 
 FEW = ("vignetting", "exposure-error", "defocus", "illumination-gradient", "focal-length-error", "prnu")
@@ -38,8 +37,7 @@ FEW = ("vignetting", "exposure-error", "defocus", "illumination-gradient", "foca
 
 @pytest.fixture(scope="module")
 def effects() -> dict[str, type[Any]]:
-    plugins = Plugins.discover()
-    return {name: plugins.resolve(f"effect.{name}") for name in (*FEW, "lens-distortion")}
+    return effects_named(*FEW, "lens-distortion")
 
 
 def flats(uncertainty: float = 0.0) -> list[RealCapture]:

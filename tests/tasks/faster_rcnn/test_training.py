@@ -132,7 +132,9 @@ def test_going_on_from_a_state_equals_not_having_stopped():
     assert all(steps == 2 for steps in whole["adam.step"])
 
 
-def test_the_schedule_goes_on_from_call_to_call(monkeypatch):
+@pytest.fixture
+def rates(monkeypatch) -> list[float]:
+    """The learning rate of each step that is taken."""
     rates = []
     step = training_module._step
     monkeypatch.setattr(
@@ -140,6 +142,10 @@ def test_the_schedule_goes_on_from_call_to_call(monkeypatch):
         "_step",
         lambda model, adam, *rest: rates.append(adam.param_groups[0]["lr"]) or step(model, adam, *rest),
     )
+    return rates
+
+
+def test_the_schedule_goes_on_from_call_to_call(rates):
     task = detector()
     state = first_state(task)
     for _ in range(3):
@@ -147,15 +153,8 @@ def test_the_schedule_goes_on_from_call_to_call(monkeypatch):
     assert rates == pytest.approx([1e-4, 5e-5, 3e-5])
 
 
-def test_the_first_steps_are_smaller_where_the_rate_warms_up(monkeypatch):
+def test_the_first_steps_are_smaller_where_the_rate_warms_up(rates):
     """Counted over all trainings, not within one."""
-    rates = []
-    step = training_module._step
-    monkeypatch.setattr(
-        training_module,
-        "_step",
-        lambda model, adam, *rest: rates.append(adam.param_groups[0]["lr"]) or step(model, adam, *rest),
-    )
     task = detector()
     state = first_state(task)
     for _ in range(3):

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tacos_framework.plugins import Plugins
 from tacos_gap.answer.diagnosis import diagnose
 from tacos_gap.answer.findings import Diagnosis
 from tacos_gap.captures import Board, CaptureFolder, RealCapture
@@ -18,17 +17,17 @@ from tacos_gap.evidence.boards import boards_found, evidence_of_boards
 from tacos_gap.evidence.boards.unstated_lens import _calibrated, with_lens_of_boards
 from tacos_plugins.effects.board_calibration import calibrated
 from tests.gap.evidence.boards.drawn_boards import SQUARES, board_capture, points, pose, seen
-from tests.gap.small_captures import placed
+from tests.gap.small_captures import effects_named, placed
 
 FOCAL_PX = 536.0
 VIEWS = [((0, 0), 300.0), ((25, 10), 330.0), ((-20, 25), 320.0), ((15, -30), 340.0), ((-30, -12), 330.0)]
-EFFECTS = ("lens-distortion", "focal-length-error", "pose-error", "rolling-shutter", "vignetting")
 
 
 @pytest.fixture(scope="module")
 def effects() -> dict[str, Any]:
-    plugins = Plugins.discover()
-    return {name: plugins.resolve(f"effect.{name}") for name in EFFECTS}
+    return effects_named(
+        "lens-distortion", "focal-length-error", "pose-error", "rolling-shutter", "vignetting"
+    )
 
 
 def views(

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from tacos_framework.camera import pixels_of_rays
-from tacos_framework.plugins import Plugins
 from tacos_framework.values import ImageGeometry, Lens
 from tacos_gap.captures import RealCapture
 from tacos_gap.evidence.boards.imaged import imaged
 from tacos_gap.evidence.boards.pose import first_pose
 from tests.gap.evidence.boards.drawn_boards import SQUARES, board_capture, points
 from tests.gap.evidence.boards.test_board_diagnosis import diagnosed, rms
+from tests.gap.small_captures import effects_named
 
 T265 = Lens("kannala-brandt", (-0.003, 0.054, -0.052, 0.011))
 WIDE = Lens("equidistant", half_field_deg=100)
@@ -50,9 +50,7 @@ def views(real: Lens, known: Lens, noise_px: float = 0.05) -> list[RealCapture]:
 
 @pytest.fixture(scope="module")
 def effects() -> dict[str, Any]:
-    plugins = Plugins.discover()
-    names = ("lens-distortion", "focal-length-error", "vignetting")
-    return {name: plugins.resolve(f"effect.{name}") for name in names}
+    return effects_named("lens-distortion", "focal-length-error", "vignetting")
 
 
 @pytest.mark.parametrize("lens", [T265, WIDE, Lens("stereographic"), Lens("rectilinear", (-0.1, 0.01))])

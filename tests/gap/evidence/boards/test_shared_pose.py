@@ -12,13 +12,12 @@ from hypothesis import strategies as st
 
 from tacos_framework.camera.resampling import composed, resample
 from tacos_framework.formation import EpisodeDraws
-from tacos_framework.plugins import Plugins
 from tacos_gap.answer.diagnosis import diagnose
 from tacos_gap.captures import CaptureFolder, RealCapture
 from tacos_gap.nuisances import POSE_TERMS, Freedom, disturbed, shares_of_priors
 from tacos_gap.simulation.formation import simulate
 from tacos_gap.statistics import Sample, displacement, measure
-from tests.gap.small_captures import BLACK_DN, HEIGHT, WIDTH, capture, placed
+from tests.gap.small_captures import BLACK_DN, HEIGHT, WIDTH, capture, effects_named, placed
 from tests.gap.taken import patchwork
 
 FREEDOMS = [Freedom(name, 1.0) for name in POSE_TERMS]
@@ -27,9 +26,7 @@ X, Y = np.meshgrid(np.arange(float(WIDTH)), np.arange(float(HEIGHT)))
 
 @pytest.fixture(scope="module")
 def effects() -> dict[str, type[Any]]:
-    plugins = Plugins.discover()
-    names = ("focal-length-error", "pose-error", "lens-distortion", "defocus")
-    return {name: plugins.resolve(f"effect.{name}") for name in names}
+    return effects_named("focal-length-error", "pose-error", "lens-distortion", "defocus")
 
 
 def scenes() -> list[RealCapture]:

@@ -19,6 +19,7 @@ from tacos_gap.captures.writer import write_captures
 from tacos_gap.evidence.boards import boards_found
 from tacos_gap.simulation.bench import BenchSettings, CaptureBench
 from tests.gap.evidence.boards.test_board_diagnosis import diagnosed
+from tests.gap.small_captures import effects_named
 
 pytestmark = pytest.mark.slow
 
@@ -41,9 +42,7 @@ SENSOR: dict[str, Any] = {"name": "small", "width_px": 848, "height_px": 800, "p
 
 @pytest.fixture(scope="module")
 def effects() -> dict[str, Any]:
-    plugins = Plugins.discover()
-    names = ("lens-distortion", "focal-length-error", "pose-error", "vignetting")
-    return {name: plugins.resolve(f"effect.{name}") for name in names}
+    return effects_named("lens-distortion", "focal-length-error", "pose-error", "vignetting")
 
 
 def boards_seen_by(rig: dict[str, Any], places: Sequence[tuple[float, ...]], folder: Path) -> CaptureFolder:
