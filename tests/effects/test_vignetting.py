@@ -53,8 +53,3 @@ def test_every_channel_frame_and_camera_is_dimmed_alike_and_nothing_else_changes
         np.testing.assert_array_equal(after.depth_m, before.depth_m)
         np.testing.assert_array_equal(after.object_id, before.object_id)
     assert dimmed.episode is capture.episode
-
-
-def test_off_it_hands_the_capture_on_without_a_copy():
-    capture = sample_capture()
-    assert apply(capture) is capture

@@ -45,34 +45,9 @@ def gone(pid: int) -> bool:
     return state == "Z"  # ended; whoever adopted it has not looked yet
 
 
-def test_results_come_in_the_order_of_the_jobs(two_workers):
-    assert list(two_workers.map(jobs.slow_square, range(6))) == [0, 1, 4, 9, 16, 25]
-
-
-def test_no_jobs_need_no_workers():
-    executor = ProcessExecutor(ProcessExecutor.Config(workers=1))
-    assert list(executor.map(jobs.square, [])) == []
-    executor.close()
-
-
 def test_local_evaluates_only_what_is_asked_for():
     results = LocalExecutor(LocalExecutor.Config()).map(jobs.fail_at_two, [0, 1, 2])
     assert [next(results), next(results)] == [0, 1]
-
-
-def test_an_error_arrives_unchanged_after_the_results_before_it(two_workers):
-    results = two_workers.map(jobs.fail_at_two, [0, 1, 2, 3])
-    assert [next(results), next(results)] == [0, 1]
-    with pytest.raises(UserError, match="job 2: is two") as raised:
-        next(results)
-    assert raised.value.faults[0].what == "is two"
-    assert raised.value.__notes__ == ["while testing"]
-
-
-def test_workers_survive_an_error(two_workers):
-    with pytest.raises(UserError):
-        list(two_workers.map(jobs.fail_at_two, [2]))
-    assert list(two_workers.map(jobs.fail_at_two, [5])) == [5]
 
 
 def test_the_function_travels_once_per_worker_and_keeps_what_it_caches(tmp_path):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import pytest
 from pydantic import ValidationError
@@ -226,19 +224,6 @@ def test_a_random_start_covers_the_space():
     genes = np.array([candidate.genes for candidate in search(population=400, generations=1).ask()])
     np.testing.assert_allclose(genes.min(axis=0), [-30, 0.01, 0], atol=1)
     np.testing.assert_allclose(genes.max(axis=0), [30, 3, 19], atol=1)
-
-
-def test_resumed_it_goes_on_where_it_was():
-    unbroken = search(generations=5)
-    tell(unbroken, lambda i, _: float(i))
-    resumed = search(seed=2, generations=5)
-    resumed.restore(json.loads(json.dumps(unbroken.state())))
-    while unbroken.stop() is None:
-        for one, other in zip(unbroken.ask(), resumed.ask(), strict=True):
-            assert one.genes == other.genes
-        for optimizer in (unbroken, resumed):
-            tell(optimizer, lambda i, _: float(i))
-    assert resumed.stop() == "all 5 generations were evaluated"
 
 
 def test_it_stops_after_its_generations():

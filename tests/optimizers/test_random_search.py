@@ -45,8 +45,3 @@ def test_what_candidates_score_changes_nothing():
     for optimizer, fitness in ((one, 1.0), (other, None)):
         optimizer.tell([Evaluated(candidate, fitness) for candidate in optimizer.ask()])
     assert one.ask() == other.ask()
-
-
-def test_asked_twice_it_gives_the_same_batch():
-    optimizer = search()
-    assert optimizer.ask() == optimizer.ask()

@@ -120,11 +120,6 @@ def test_more_bits_measure_the_same_light_more_finely():
     assert twelve.mean() / eight.mean() == pytest.approx(16, rel=1e-3)
 
 
-def test_other_seeds_give_other_noise():
-    capture = even_light(1.0)
-    assert (expose(capture, seed=1) != expose(capture, seed=2)).mean() > 0.3
-
-
 def test_effects_before_the_noise_leave_it_white_and_those_after_do_not():
     class Smooth:
         class Config(Settings):
