@@ -54,7 +54,8 @@ def best_of_parts(model: CameraModel, pool: Pool) -> BestOfParts:
             looked_at[names].append(model.point(camera))
     best, means = _best(model, looked_at)
     rng = np.random.default_rng(0)
-    finest = _worth_refining(means)
+    most = POOL // (2 * NEIGHBOURS * len(REFINEMENTS))  # as many as there is room for
+    finest = sorted(means, key=lambda names: -means[names])[:most]
     for reach in REFINEMENTS if pool.dimensions else ():
         near: dict[tuple[str, ...], list[Point]] = {}
         for names in finest:
@@ -68,12 +69,6 @@ def best_of_parts(model: CameraModel, pool: Pool) -> BestOfParts:
         best, means = {**best, **better}, {**means, **higher}
     everything = [point for found in looked_at.values() for point in found]
     return BestOfParts({names: point.camera for names, point in best.items()}, means, impossible, everything)
-
-
-def _worth_refining(means: Mapping[tuple[str, ...], float]) -> list[tuple[str, ...]]:
-    """The combinations whose optics are looked at more closely: the best, as many as there is room for."""
-    most = POOL // (2 * NEIGHBOURS * len(REFINEMENTS))
-    return sorted(means, key=lambda names: -means[names])[:most]
 
 
 def _feasible(

@@ -128,7 +128,7 @@ def _ladder(arguments: argparse.Namespace, plugins: Plugins) -> Path:
     from tacos_view.setup import set_up
 
     what = arguments.what or "scene.indoor"
-    use = _effect_use(arguments.effect)
+    use = f"effect.{arguments.effect.removeprefix('effect.')}"
     plugins.resolve(
         use, "effect", where=f"--effect {arguments.effect}"
     )  # before anything is rendered in vain
@@ -140,10 +140,6 @@ def _ladder(arguments: argparse.Namespace, plugins: Plugins) -> Path:
 
 LADDER_SETS: dict[str, dict[str, Any]] = {"scene.indoor": {"nodes.world.size_m": [10, 6], "rig.binning": 2}}
 """A small house and half the pixels are enough to see what an effect does."""
-
-
-def _effect_use(name: str) -> str:
-    return name if name.startswith("effect.") else f"effect.{name}"
 
 
 def _kind_of_catalog(what: str) -> Literal["parts", "cameras"] | None:

@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tacos_worlds.indoor.building import Building
-from tacos_worlds.kit.mesh import Mesh
 from tacos_worlds.kit.people.clothes import draw_clothes
 from tacos_worlds.kit.people.person import Build, draw_build, draw_person, person
 from tacos_worlds.kit.people.pose import Pose, joints_of, seated, standing, walking
@@ -18,10 +17,6 @@ from tacos_worlds.kit.piece import Seat
 from tests.worlds.solids import solid
 
 seeds = st.integers(0, 100_000)
-
-
-def triangles_closed(mesh: Mesh) -> bool:
-    return bool(solid(mesh).is_watertight)
 
 
 @given(seeds, st.sampled_from([standing, walking]), st.sampled_from([6, 10]))
@@ -56,7 +51,7 @@ def test_a_body_is_made_of_closed_surfaces_that_face_outwards(seed) -> None:
     rng = np.random.default_rng(seed)
     made = draw_person(rng, standing(rng))
     for mesh, _ in made.parts:
-        assert triangles_closed(mesh)
+        assert solid(mesh).is_watertight
         assert solid(mesh).volume > 0
 
 

@@ -215,7 +215,7 @@ def _held_out(why_not: str) -> dict[str, Any]:
 def _parameter_as_data(parameter: Parameter) -> dict[str, Any]:
     data = _valued(parameter)
     if parameter.physical:
-        data["physical"] = _physical(parameter.physical)
+        data["physical"] = {"name": parameter.physical.name, **_valued(parameter.physical)}
     if parameter.by_capture:
         data["by_capture"] = {name: _parameter_as_data(own) for name, own in parameter.by_capture.items()}
     return data
@@ -224,10 +224,6 @@ def _parameter_as_data(parameter: Parameter) -> dict[str, Any]:
 def _valued(parameter: Parameter | Physical) -> dict[str, Any]:
     interval = {"ci": list(parameter.interval)} if parameter.interval else {}
     return {"value": parameter.value, **interval, "unit": parameter.unit}
-
-
-def _physical(found: Physical) -> dict[str, Any]:
-    return {"name": found.name, **_valued(found)}
 
 
 def _round(value: float) -> float:

@@ -92,7 +92,7 @@ def simulate(
         *((words([each]), acting(each)) for each in chain.pixel),
     ]
     shared, done = None, 0
-    if len(expected) == 1 and _is_still(context):
+    if len(expected) == 1 and not any(_per_frame(context)):
         shared, done = _shared(light_of(0), steps, draws, light or KeptLight(0))
     after_pixel = replace(chain, light=(), pixel=())
     count = frames or capture.frames
@@ -279,10 +279,6 @@ def _where_known(chain: EffectChain) -> EffectChain:
         readout=lenient(chain.readout),
         files=lenient(chain.files),
     )
-
-
-def _is_still(context: ImageContext) -> bool:
-    return not any(_per_frame(context))
 
 
 def _per_frame(context: ImageContext) -> tuple[bool, bool]:

@@ -38,7 +38,8 @@ def merge_vertices(world: World, occlusion: Occlusion, merge_m: float) -> Sites:
     material = np.concatenate(
         [np.full(len(part.vertices_m), part.material, np.int32) for part in world.parts]
     )
-    cells = np.floor(occlusion.vertices_m / merge_m).astype(np.int64) - _lowest(occlusion, merge_m)
+    cells = np.floor(occlusion.vertices_m / merge_m).astype(np.int64)
+    cells -= cells.min(axis=0)
     facing = np.rint(normals * 1.4).astype(np.int64) + 1
     key = material.astype(np.int64)
     for column, size in ((cells, 1 << 15), (facing, 3)):
@@ -55,10 +56,6 @@ def merge_vertices(world: World, occlusion: Occlusion, merge_m: float) -> Sites:
         material=material[chosen],
         of_vertex=of_vertex.reshape(-1).astype(np.int32),
     )
-
-
-def _lowest(occlusion: Occlusion, merge_m: float) -> NDArray[np.int64]:
-    return np.floor(occlusion.vertices_m.min(axis=0) / merge_m).astype(np.int64)
 
 
 def _inward(occlusion: Occlusion) -> NDArray[np.float32]:

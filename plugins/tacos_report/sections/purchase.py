@@ -78,7 +78,7 @@ def _properties(part: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 def _lens_wanted(camera: CameraResult, study: StudyData) -> Iterator[tuple[str, str]]:
     yield "Focal length", shown("focal_length_mm", camera.camera["focal_length_mm"])
-    width_mm, height_mm = _sides_mm(camera)
+    width_mm, height_mm = (camera.derived.get(f"sensor_{side}_mm") for side in ("width", "height"))
     if width_mm is not None and height_mm is not None:
         diagonal_mm = math.hypot(width_mm, height_mm)
         yield "Image circle", f"at least {quantity(diagonal_mm, 'mm')}, the diagonal of the sensor"
@@ -104,7 +104,3 @@ def _mounting(camera: CameraResult, study: StudyData) -> Iterator[tuple[str, str
     for name, value in camera.camera.items():
         if name != "focal_length_mm" and showable(value):
             yield words(name), shown(name, value, study.units.get(name) or unit_of(name))
-
-
-def _sides_mm(camera: CameraResult) -> tuple[float | None, float | None]:
-    return camera.derived.get("sensor_width_mm"), camera.derived.get("sensor_height_mm")

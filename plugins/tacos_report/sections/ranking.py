@@ -30,7 +30,8 @@ def blocks(study: StudyData) -> Iterator[Block]:
             "the first part. Orange: the part of the designed camera, chosen on scenes and not by this "
             "list. Coloured diamond: the part of a product.",
         )
-        heads = ("", "Part", "Its best optics", "Fitness (95 %)", *_heads(study), "Known from")
+        better = [f"P(better than {study.title_of(name)})" for name in _products(study)]
+        heads = ("", "Part", "Its best optics", "Fitness (95 %)", *better, "Known from")
         rows = tuple(_row(place, part, study, carried) for place, part in enumerate(ranked, start=1))
         kept = tuple(i for i, part in enumerate(ranked) if part.part in designed and i >= _SHOWN)
         yield Table(heads, rows, first=_SHOWN, kept=kept)
@@ -67,10 +68,6 @@ def chance(probability: float) -> str:
     """
     share = round(100 * probability)
     return "> 99\u202f%" if share > 99 else "< 1\u202f%" if share < 1 else f"{share}\u202f%"
-
-
-def _heads(study: StudyData) -> list[str]:
-    return [f"P(better than {study.title_of(name)})" for name in _products(study)]
 
 
 def _products(study: StudyData) -> list[str]:

@@ -154,11 +154,10 @@ def _table(outcome: TableOutcome) -> Table:
 
 def _cell(cell: SummaryCell, column: SummaryColumn) -> str | Detailed:
     text = f"{shown(cell, column)}{' (best)' if cell.best else ''}"
-    return text if cell.published is None else Detailed(text, _published(cell.published, column))
-
-
-def _published(value: float | str, column: SummaryColumn) -> str:
-    return value if isinstance(value, str) else number(value, column.digits)
+    if cell.published is None:
+        return text
+    published = cell.published
+    return Detailed(text, published if isinstance(published, str) else number(published, column.digits))
 
 
 def _differences(outcome: TableOutcome) -> list[Paragraph | Warnings]:

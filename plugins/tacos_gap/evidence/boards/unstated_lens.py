@@ -75,13 +75,11 @@ def _calibrated(boards: Sequence[RealCapture], free: Collection[str]) -> Calibra
     """By Brown and Conrady's model, or a fisheye's where that leaves much less."""
     brown, fisheye = (calibrated(boards, free=free, fisheye=kind) for kind in (False, True))
     if brown and fisheye:
-        wide = _half_diagonal_px(boards) > WIDE * fisheye.focal_px
+        whole = boards[0].geometry
+        half_diagonal_px = 0.5 * np.hypot(whole.full_width_px, whole.full_height_px)
+        wide = half_diagonal_px > WIDE * fisheye.focal_px
         return fisheye if fisheye.rms_px < (AS_GOOD if wide else MUCH_LESS) * brown.rms_px else brown
     return brown or fisheye
-
-
-def _half_diagonal_px(boards: Sequence[RealCapture]) -> float:
-    return 0.5 * float(np.hypot(boards[0].geometry.full_width_px, boards[0].geometry.full_height_px))
 
 
 def _focal_spread(boards: Sequence[RealCapture], found: Calibration, free: Collection[str]) -> float:

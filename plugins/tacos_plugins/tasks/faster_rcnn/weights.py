@@ -44,7 +44,8 @@ def load_weights(model: FasterRCNN, name: str, backbone: Backbone) -> None:
     """
     file = weights_file(name)
     if file is not None:
-        made_for = f"the detector {backbone} of {_classes_of(model)} classes"
+        classes = model.roi_heads.box_predictor.cls_score.out_features - 1
+        made_for = f"the detector {backbone} of {classes} classes"
         load_checkpoint(read_checkpoint(file, where=WHERE), model, where=WHERE, made_for=made_for)
     elif name == COCO:
         model.load_state_dict(_but_for_the_classes(_coco_weights(backbone), model, backbone))
@@ -88,7 +89,3 @@ def _but_for_the_classes(
             if isinstance(part, nn.BatchNorm2d) and f"{name}.running_var" in given:
                 taken[f"{name}.running_var"] = given[f"{name}.running_var"] + (epsilon - part.eps)
     return taken
-
-
-def _classes_of(model: FasterRCNN) -> int:
-    return int(model.roi_heads.box_predictor.cls_score.out_features) - 1

@@ -47,7 +47,7 @@ def painted(patches: Sequence[Patch]) -> tuple[list[Patch], NDArray[np.uint8]]:
         _unshared(patch, uv[end - count : end])
         for patch, count, end in zip(patches, counts, ends, strict=True)
     ]
-    return textured, _srgb(atlas)
+    return textured, np.rint(srgb_from_linear(atlas) * 255).astype(np.uint8)
 
 
 def _of_corners(patch: Patch) -> NDArray[np.float64]:
@@ -108,7 +108,3 @@ def _unfold(place: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int
         column |= ((place >> (2 * bit)) & 1) << bit
         row |= ((place >> (2 * bit + 1)) & 1) << bit
     return column, row
-
-
-def _srgb(linear: NDArray[np.float64]) -> NDArray[np.uint8]:
-    return np.rint(srgb_from_linear(linear) * 255).astype(np.uint8)
