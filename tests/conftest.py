@@ -56,6 +56,12 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")
+def plugins() -> Plugins:
+    """The installed plugins, to be left as they are."""
+    return Plugins.discover()
+
+
+@pytest.fixture(scope="session")
 def toys() -> Plugins:
     """The installed plugins and the toys, without analysis and report, which take seconds for each study."""
     return _toys_without("decision", "report")

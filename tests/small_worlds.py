@@ -9,8 +9,10 @@ from itertools import count
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tacos_framework.testing.samples import sample_episode
 from tacos_framework.values import (
     Camera,
+    Capture,
     Episode,
     Light,
     Material,
@@ -19,6 +21,7 @@ from tacos_framework.values import (
     Object,
     Rig,
     Trajectory,
+    View,
     World,
 )
 
@@ -154,6 +157,15 @@ def camera(width_px: int = 64, height_px: int = 48, focal_px: float = 60.0, **mo
 
 def rig(*cameras: Camera) -> Rig:
     return Rig(cameras)
+
+
+def captured_light(camera: Camera, light_cd_m2: ArrayLike, frames: int) -> Capture:
+    """Frames of light that reaches a camera: a level, or what broadcasts to (frames, H, W, 3)."""
+    size = (frames, camera.height_px, camera.width_px)
+    light = np.broadcast_to(np.asarray(light_cd_m2, np.float32), (*size, 3))
+    poses = np.tile(np.eye(4), (frames, 1, 1))
+    view = View(camera, poses, light.copy(), np.ones(size, np.float32), np.zeros(size, np.int32))
+    return Capture(sample_episode(frames), (view,))
 
 
 def moving_plate(frames: int = 3) -> Episode:

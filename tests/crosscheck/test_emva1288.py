@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from tacos_framework.testing.forming import expose
-from tacos_framework.testing.samples import sample_episode
-from tacos_framework.values import Camera, Capture, Electrons, Exposure, View
+from tacos_framework.values import Camera, Electrons, Exposure
 from tacos_plugins.sensors.emva import Emva
+from tests.small_worlds import captured_light
 
 pytest.importorskip("emva1288", reason="install the extra `crosscheck` for the independent EMVA 1288")
 
@@ -32,10 +32,7 @@ def our_frames(photons: float, *, frames: int, seed: int) -> np.ndarray:
     """Frames of evenly lit photosites that receive so many photons on average."""
     sensor = Emva(Emva.Config(channels="mono", bit_depth=BIT_DEPTH, black_level_dn=BLACK_DN))
     per_photon = TRUTH.quantum_efficiency / sensor.electrons_per_luminance(CAMERA, EXPOSURE)
-    size = (frames, CAMERA.height_px, CAMERA.width_px)
-    light = np.full((*size, 3), photons * per_photon, np.float32)
-    view = View(CAMERA, np.tile(np.eye(4), (frames, 1, 1)), light, np.ones(size), np.zeros(size))
-    capture = Capture(sample_episode(frames), (view,))
+    capture = captured_light(CAMERA, photons * per_photon, frames)
     return expose(sensor, capture, exposure=EXPOSURE, seed=seed).images[0][..., 0]
 
 

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from tacos_framework.formation import PlacedEffect, SensorAt
 from tacos_framework.testing.forming import expose
-from tacos_framework.testing.samples import sample_episode
-from tacos_framework.values import Camera, Capture, Electrons, Exposure, ImageContext, ImageGeometry, View
+from tacos_framework.values import Camera, Electrons, Exposure, ImageContext, ImageGeometry
 from tacos_plugins.sensors.affine_noise import AffineNoise
 from tacos_plugins.sensors.emva import Emva
+from tests.small_worlds import captured_light
 
 FOCAL_LENGTH_MM = 4.0
 Pattern = Callable[[NDArray[Any], NDArray[Any]], NDArray[Any]]
@@ -82,15 +82,7 @@ class Setup:
         if not full:
             light = averaged(light[None], b)[0]
         camera = self.camera(width, height, 1 if full else b)
-        shape = (frames, *light.shape)
-        view = View(
-            camera,
-            np.tile(np.eye(4), (frames, 1, 1)),
-            np.broadcast_to(light[None, ..., None], (*shape, 3)).astype(np.float32),
-            np.ones(shape, np.float32),
-            np.zeros(shape, np.int32),
-        )
-        capture = Capture(sample_episode(frames), (view,))
+        capture = captured_light(camera, light[..., None], frames)
         files = expose(self.sensor, capture, effects=effects, exposure=self.exposure, seed=seed).images[0]
         green = files[..., files.shape[-1] // 2].astype(np.float64)
         above = (green - self.context.black_level_dn) / self.context.dn_per_electron

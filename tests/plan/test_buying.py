@@ -22,11 +22,6 @@ NAMES = (
 )
 
 
-@pytest.fixture(scope="module")
-def plugins() -> Plugins:
-    return Plugins.discover()
-
-
 def recipe_of(name: str, **sets: Any) -> Recipe:
     recipe = load_recipe(name, {key.replace("__", "."): value for key, value in sets.items()})
     assert isinstance(recipe, Recipe)

@@ -8,12 +8,6 @@ from tacos_framework import load_recipe
 from tacos_framework.plan import make_plan
 from tacos_framework.plan.conditions import conditions
 from tacos_framework.plan.notes import notes_on_bounds
-from tacos_framework.plugins import Plugins
-
-
-@pytest.fixture(scope="module")
-def plugins():
-    return Plugins.discover()
 
 
 def test_light_exposure_effects_and_noise_are_said(plugins):

@@ -14,9 +14,9 @@ from tacos_framework.errors import UserError
 from tacos_framework.settings import Settings
 from tacos_framework.testing.forming import expose as exposed
 from tacos_framework.testing.forming import placed
-from tacos_framework.testing.samples import sample_episode
-from tacos_framework.values import Camera, Capture, Exposure, View
+from tacos_framework.values import Camera, Capture, Exposure
 from tacos_plugins.sensors.affine_noise import AffineNoise
+from tests.small_worlds import captured_light
 
 DAY = Exposure(time_s=0.030, f_number=2.0, gain_db=5.0)
 WHITE_WALL_AT_20_LUX = 0.8 * 20 / math.pi  # cd/m2
@@ -26,15 +26,7 @@ def even_light(
     luminance_cd_m2: float, *, pixel_um: float = 1.55, binning: float = 1.0, frames: int = 2
 ) -> Capture:
     camera = Camera("camera", 200, 150, pixel_um, focal_length_mm=4.0, binning=binning)
-    size = (frames, camera.height_px, camera.width_px)
-    view = View(
-        camera,
-        np.tile(np.eye(4), (frames, 1, 1)),
-        np.full((*size, 3), luminance_cd_m2, np.float32),
-        np.ones(size, np.float32),
-        np.zeros(size, np.int32),
-    )
-    return Capture(sample_episode(frames), (view,))
+    return captured_light(camera, luminance_cd_m2, frames)
 
 
 def expose(capture: Capture, exposure: Exposure = DAY, *, seed: int = 1, effects=(), **config) -> np.ndarray:

@@ -14,9 +14,9 @@ from toy_plugin import Dim
 from tacos_framework.errors import CandidateFailed, UserError
 from tacos_framework.testing.forming import expose as exposed
 from tacos_framework.testing.forming import placed
-from tacos_framework.testing.samples import sample_episode
-from tacos_framework.values import Camera, Capture, Electrons, Exposure, View
+from tacos_framework.values import Camera, Capture, Electrons, Exposure
 from tacos_plugins.sensors.emva import Emva
+from tests.small_worlds import captured_light
 
 KNOWN = Electrons(
     "IMX999", quantum_efficiency=0.6, full_well_e=10_000.0, read_noise_e=3.0, dark_current_e_s=20.0
@@ -34,15 +34,7 @@ def even_light(
     electrons: Electrons = KNOWN,
 ) -> Capture:
     camera = Camera("camera", 160, 120, pixel_um, focal_length_mm=4.0, binning=binning, electrons=electrons)
-    size = (frames, camera.height_px, camera.width_px)
-    view = View(
-        camera,
-        np.tile(np.eye(4), (frames, 1, 1)),
-        np.full((*size, 3), luminance_cd_m2, np.float32),
-        np.ones(size, np.float32),
-        np.zeros(size, np.int32),
-    )
-    return Capture(sample_episode(frames), (view,))
+    return captured_light(camera, luminance_cd_m2, frames)
 
 
 def expose(capture: Capture, exposure: Exposure = DAY, *, seed: int = 1, effects=(), **config) -> np.ndarray:

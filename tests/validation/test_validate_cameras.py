@@ -19,11 +19,6 @@ from tests.gap.taken import capture, effect, patchwork, taken
 
 
 @pytest.fixture(scope="module")
-def plugins() -> Plugins:
-    return Plugins.discover()
-
-
-@pytest.fixture(scope="module")
 def cameras(plugins: Plugins, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Three cameras that a simulator without effects takes for one, each with the patch of what it has."""
     folder = tmp_path_factory.mktemp("cameras")

@@ -47,11 +47,6 @@ class Spoilt(EffectBase):
 
 
 @pytest.fixture(scope="module")
-def plugins() -> Plugins:
-    return Plugins.discover()
-
-
-@pytest.fixture(scope="module")
 def captures(plugins: Plugins) -> list[RealCapture]:
     expected = [capture("dark", 0.0), capture("flat", 60.0), capture("flat", 150.0), capture("flat", 220.0)]
     return taken(expected, [effect(plugins, "vignetting", k1=-0.3)])

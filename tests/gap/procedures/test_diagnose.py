@@ -42,11 +42,6 @@ KEYS = {
 }
 
 
-@pytest.fixture(scope="module")
-def plugins() -> Plugins:
-    return Plugins.discover()
-
-
 def diagnosed(
     captures: list[RealCapture], consider: set[str], plugins: Plugins, folder: Path, **settings: Any
 ) -> tuple[dict[str, Any], str]:

@@ -53,11 +53,6 @@ EFFECTS: tuple[dict[str, Any], ...] = (
 )
 
 
-@pytest.fixture(scope="module")
-def plugins() -> Plugins:
-    return Plugins.discover()
-
-
 def study(sensor: Mapping[str, Any], effects: tuple[dict[str, Any], ...], plugins: Plugins) -> Plan:
     described = {
         "name": "same bits",

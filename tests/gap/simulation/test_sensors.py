@@ -35,11 +35,6 @@ EMVA = {
 GAIN = 239 / 4000
 
 
-@pytest.fixture(scope="module")
-def plugins() -> Plugins:
-    return Plugins.discover()
-
-
 def emva(plugins: Plugins, **changes: Any) -> PlacedSensor:
     cls = plugins.resolve("sensor.emva")
     settings = {key: value for key, value in EMVA.items() if key != "use"}

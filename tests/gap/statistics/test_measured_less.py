@@ -22,11 +22,6 @@ from tacos_plugins.sensors.gaussian import NormalNumbers
 from tests.gap.taken import capture, effect, patchwork, taken
 
 
-@pytest.fixture(scope="module")
-def plugins() -> Plugins:
-    return Plugins.discover()
-
-
 @given(st.integers(1, 6), st.integers(16, 3000), st.integers(16, 4000))
 @settings(max_examples=60, deadline=None)
 @example(frames=5, height=18, width=3277)

@@ -24,11 +24,6 @@ from tacos_gap.tasks.recipe_tasks import frozen_plan
 from tests.gap.taken import capture, effect, patchwork, taken
 
 
-@pytest.fixture(scope="module")
-def plugins() -> Plugins:
-    return Plugins.discover()
-
-
 def task_of(plugins: Plugins, name: str, **settings: object) -> RecipeTask:
     cls = plugins.resolve(f"task.{name}", "task")
     return RecipeTask(name, ConfiguredComponent(f"task.{name}", cls, cls.Config(**settings)))

@@ -9,7 +9,6 @@ import pytest
 
 from tacos_framework.errors import UserError
 from tacos_framework.formation import EpisodeDraws
-from tacos_framework.plugins import Plugins
 from tacos_gap.captures import Noise, read_captures
 from tacos_gap.captures.targets.expectation import with_own_expectations
 from tacos_gap.captures.targets.photon_transfer import pooled_noise
@@ -18,12 +17,6 @@ from tacos_gap.simulation.formation import simulate
 from tacos_gap.statistics import Sample, measure
 from tests.gap.captures.folders import describe, noisy, save_frames
 from tests.gap.taken import BLACK_DN, HEIGHT, WIDTH, capture, effect, patchwork, taken
-
-
-@pytest.fixture(scope="module")
-def plugins() -> Plugins:
-    return Plugins.discover()
-
 
 UNKNOWN = Noise((0.1,), (1.0,), known=False)
 

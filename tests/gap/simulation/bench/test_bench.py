@@ -26,11 +26,6 @@ BOX = {"use": "scene.light-box"}
 EDGES = {"use": "scene.slanted-edges", "pitch_m": 0.1, "size_m": 0.9}
 
 
-@pytest.fixture(scope="module")
-def plugins() -> Plugins:
-    return Plugins.discover()
-
-
 def settings(*captures: dict[str, Any], **changes: Any) -> BenchSettings:
     data = {
         "rig": RIG,
