@@ -45,6 +45,8 @@ class ProcedureConformance(ComponentConformance):
 
     kind: ClassVar[str] = "procedure"
     files: ClassVar[tuple[str, ...]] = ()
+    plugins: Plugins | None = None
+    """The plugins it is run with; those that are installed where None."""
     _finished: ClassVar[FinishedRun | None] = None
 
     def run(self, out: Path, seed: int = 1) -> Mapping[str, Any]:
@@ -54,7 +56,7 @@ class ProcedureConformance(ComponentConformance):
         offered: dict[str, Any] = {
             "out": out,
             "seed": seed,
-            "plugins": Plugins.discover(),
+            "plugins": Plugins.discover() if self.plugins is None else self.plugins,
             "executor": InThisProcess(),
             "progress": Silent(),
             "resume": False,

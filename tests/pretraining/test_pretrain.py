@@ -20,10 +20,8 @@ from tacos_framework import ProcedureRecipe, UserError, load_recipe, run
 from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Recipe, Use
 from tacos_framework.store import Results
-from tacos_framework.study.progress import Silent
 from tacos_framework.testing import ProcedureConformance
 from tacos_framework.testing.fingerprint import fingerprint
-from tacos_framework.testing.procedure import InThisProcess
 from tacos_framework.testing.samples import sample_rig
 from tacos_plugins.pretraining import pretrain as pretrain_module
 from tacos_plugins.pretraining.kept_frames import read_frames, write_frames
@@ -216,18 +214,6 @@ class TestPretrain(ProcedureConformance):
     def _on_a_toy(self, problem, plugins):
         self.config = asked(problem, epochs=1, images=4).settings  # type: ignore[misc]
         self.plugins = plugins
-
-    def run(self, out: Path, seed: int = 1) -> Mapping[str, Any]:
-        out.mkdir()
-        result: Mapping[str, Any] = self.make().run(
-            out=out,
-            seed=seed,
-            plugins=self.plugins,
-            executor=InThisProcess(),
-            progress=Silent(),
-            resume=False,
-        )
-        return result
 
     def comparable(self, result: Mapping[str, Any]) -> Mapping[str, Any]:
         return {key: value for key, value in super().comparable(result).items() if key != "training_seconds"}

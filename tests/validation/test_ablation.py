@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,9 +12,7 @@ from toy_study import FROM_CATALOG, merged
 
 from tacos_framework import ProcedureRecipe, UserError, run
 from tacos_framework.recipe import Use
-from tacos_framework.study.progress import Silent
 from tacos_framework.testing import ProcedureConformance
-from tacos_framework.testing.procedure import InThisProcess
 from tacos_validation.ablation.compare import WHOLE, Ablation
 from tacos_validation.ablation.order import is_worse
 
@@ -84,10 +80,4 @@ class TestAblation(ProcedureConformance):
     @pytest.fixture(autouse=True)
     def _on_a_toy(self, asked, toys):
         self.config = {**asked, "scenes": 2}
-        self.toys = toys
-
-    def run(self, out: Path, seed: int = 1) -> Mapping[str, Any]:
-        out.mkdir()
-        return self.make().run(
-            out=out, seed=seed, plugins=self.toys, executor=InThisProcess(), progress=Silent(), resume=False
-        )
+        self.plugins = toys

@@ -21,9 +21,7 @@ from tacos_framework.plugins import Plugins
 from tacos_framework.recipe import Use
 from tacos_framework.settings import Settings, setting
 from tacos_framework.store import Results
-from tacos_framework.study.progress import Silent
 from tacos_framework.testing import ProcedureConformance
-from tacos_framework.testing.procedure import InThisProcess
 from tacos_framework.variables.design_space import DesignSpace
 from tacos_validation.optimizers_compared.compare import CompareOptimizers
 from tacos_validation.optimizers_compared.settings import CompareOptimizersConfig
@@ -287,17 +285,6 @@ class TestCompareOptimizers(ProcedureConformance):
         only = {"genetic": OPTIMIZERS["genetic"]}
         self.config = asked(problem, seeds=1, optimizers=only, against=[]).settings  # type: ignore[misc]
         self.plugins = plugins
-
-    def run(self, out: Path, seed: int = 1) -> Mapping[str, Any]:
-        out.mkdir()
-        return self.make().run(
-            out=out,
-            seed=seed,
-            plugins=self.plugins,
-            executor=InThisProcess(),
-            progress=Silent(),
-            resume=False,
-        )
 
     def comparable(self, result: Mapping[str, Any]) -> Mapping[str, Any]:
         standings = [{**each, "thought_ms": 0} for each in result["standings"]]

@@ -21,9 +21,7 @@ from tacos_framework import ProcedureRecipe, UserError, run
 from tacos_framework.recipe import Use
 from tacos_framework.simulation import Evaluation
 from tacos_framework.store import Results
-from tacos_framework.study.progress import Silent
 from tacos_framework.testing import ProcedureConformance
-from tacos_framework.testing.procedure import InThisProcess
 from tacos_validation.rank_agreement.agreement import Agreement, agreement, agreement_of_halves, places, tau_b
 from tacos_validation.rank_agreement.measure import RankAgreement
 from tacos_validation.rank_agreement.outcome import RankedLight, RankOutcome
@@ -292,13 +290,7 @@ class TestRankAgreement(ProcedureConformance):
     @pytest.fixture(autouse=True)
     def _on_a_toy(self, study, toys):
         self.config = asked(study, lights={"day": {}}, scenes=2).settings  # type: ignore[misc]
-        self.toys = toys
-
-    def run(self, out: Path, seed: int = 1) -> Mapping[str, Any]:
-        out.mkdir()
-        return self.make().run(
-            out=out, seed=seed, plugins=self.toys, executor=InThisProcess(), progress=Silent(), resume=False
-        )
+        self.plugins = toys
 
     def comparable(self, result: Mapping[str, Any]) -> Mapping[str, Any]:
         return {name: value for name, value in super().comparable(result).items() if name != "cost"}

@@ -14,9 +14,7 @@ from toy_study import LEARNER, toy_recipe
 
 from tacos_framework import ProcedureRecipe, UserError, run
 from tacos_framework.recipe import Use
-from tacos_framework.study.progress import Silent
 from tacos_framework.testing import ProcedureConformance
-from tacos_framework.testing.procedure import InThisProcess
 from tacos_validation.studies_compared.compare import CompareStudies
 from tacos_validation.studies_compared.pairs import StudyOutcome, difference, scores_of, spread
 
@@ -156,13 +154,7 @@ class TestCompareStudies(ProcedureConformance):
     @pytest.fixture(autouse=True)
     def _on_a_toy(self, study, toys):
         self.config = asked(study, seeds=[1]).settings  # type: ignore[misc]
-        self.toys = toys
-
-    def run(self, out: Path, seed: int = 1) -> Mapping[str, Any]:
-        out.mkdir()
-        here = {"plugins": self.toys, "executor": InThisProcess(), "progress": Silent()}
-        result: Mapping[str, Any] = self.make().run(out=out, resume=False, **here)
-        return result
+        self.plugins = toys
 
     def comparable(self, result: Mapping[str, Any]) -> Mapping[str, Any]:
         studies = [{k: v for k, v in each.items() if k != "seconds"} for each in result["studies"]]

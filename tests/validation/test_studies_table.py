@@ -16,7 +16,6 @@ from toy_study import FROM_CATALOG
 
 from tacos_framework import ProcedureRecipe, UserError, run
 from tacos_framework.recipe import Use
-from tacos_framework.study.progress import Silent
 from tacos_framework.testing import ProcedureConformance
 from tacos_framework.testing.procedure import InThisProcess
 from tacos_validation.studies_table.findings import RowResult, StudyRun, SummaryCell, findings, look_up
@@ -258,13 +257,7 @@ class TestStudiesTable(ProcedureConformance):
     @pytest.fixture(autouse=True)
     def _on_a_toy(self, problem, toys):
         self.config = asked(problem).settings  # type: ignore[misc]
-        self.toys = toys
-
-    def run(self, out: Path, seed: int = 1) -> Mapping[str, Any]:
-        out.mkdir()
-        return self.make().run(
-            out=out, plugins=self.toys, executor=InThisProcess(), progress=Silent(), resume=False
-        )
+        self.plugins = toys
 
     def comparable(self, result: Mapping[str, Any]) -> Mapping[str, Any]:
         studies = [{**each, "seconds": 0} for each in result["studies"]]
