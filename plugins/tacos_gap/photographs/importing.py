@@ -23,6 +23,7 @@ from tacos_gap.photographs.given import Given, Guess
 from tacos_gap.photographs.grouping import Stack, sharpest_of_views, stacks_of
 from tacos_gap.photographs.looking import looked_at, of_one_form
 from tacos_gap.photographs.picture import Picture
+from tacos_gap.photographs.sidecars import sidecars_among
 from tacos_gap.photographs.sources import passed_over, pictures_in, recordings_among
 from tacos_gap.photographs.tables import Table, tables_among
 from tacos_gap.report.words import first_of
@@ -71,7 +72,7 @@ def import_photographs(
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         what = "is not empty" if out.is_dir() else "is a file"
         raise UserError(Fault(str(out), what, "a folder that is new or empty", "Name another --out."))
-    tables = tables_among(others, paths)
+    tables = [*tables_among(others, paths), *sidecars_among(others, paths)]
     doubts += recordings_among(sources)
     doubts += passed_over([path for path in others if path not in {table.path for table in tables}])
     pictures, unreadable = looked_at(paths, given, notify or (lambda text: None))

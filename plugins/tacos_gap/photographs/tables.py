@@ -28,6 +28,7 @@ _MS = {
 _OF_TIMES = re.compile(
     r"exp(?!ect)|shutter|integration|t_?int|duration|(?<![a-z])times?(?![a-z_]*st)", re.IGNORECASE
 )
+_OF_EXPOSURES = re.compile(r"exp|shutter|integration|t_?int", re.IGNORECASE)
 _OF_MOMENTS = re.compile(r"stamp|taken|date|clock|utc|posix|epoch|created|modified", re.IGNORECASE)
 _UNIT = re.compile(r"(?<![a-z])(ns|us|\u00b5s|\u03bcs|ms|sec|seconds|s)(?![a-z])", re.IGNORECASE)
 _CELL = re.compile(
@@ -82,23 +83,33 @@ def tables_among(others: Sequence[Path], pictures: Sequence[Path]) -> list[Table
     return tables
 
 
+class PicturesByName:
+    """Pictures by how a table may name them: with or without their folders and suffixes, in any case."""
+
+    def __init__(self, pictures: Sequence[Path]) -> None:
+        stems = Counter(picture.stem.lower() for picture in pictures)
+        alone = [p for p in pictures if stems[p.stem.lower()] == 1 and not p.stem.isdecimal()]
+        self._by_name = {p.stem.lower(): p for p in alone} | {p.name.lower(): p for p in pictures}
+
+    def get(self, text: str) -> Path | None:
+        return self._by_name.get(re.split(r"[\\/]", text.lower())[-1])
+
+
 def _by_name(lines: Sequence[str], pictures: Sequence[Path]) -> dict[Path, Row]:
-    """Rows of a table in which one column names pictures, with or without their folders and suffixes."""
-    named = {picture.name.lower(): picture for picture in pictures}
-    stems = Counter(picture.stem.lower() for picture in pictures)
-    named |= {p.stem.lower(): p for p in pictures if stems[p.stem.lower()] == 1 and not p.stem.isdecimal()}
+    """Rows of a table in which one column names pictures."""
+    named = PicturesByName(pictures)
     cells = [_cells(line) for line in lines]
     found: dict[Path, Row] = {}
     heading: list[str] = []
     for row in cells:
-        at = next((i for i, cell in enumerate(row) if re.split(r"[\\/]", cell.lower())[-1] in named), None)
+        at = next((i for i, cell in enumerate(row) if named.get(cell)), None)
         if at is None:
             heading = row if row and not found and not _is_number(row[-1]) else heading
             continue
-        rest = heading if len(heading) == len(row) else []
-        values = _row(row, rest, at)
-        if values != Row():
-            found[named[re.split(r"[\\/]", row[at].lower())[-1]]] = values
+        picture, rest = named.get(row[at]), heading if len(heading) == len(row) else []
+        values = row_of(row, rest, at)
+        if picture is not None and values != Row():
+            found[picture] = values
     return found
 
 
@@ -110,7 +121,7 @@ def _in_order(lines: Sequence[str], pictures: Sequence[Path]) -> dict[Path, Row]
         return {}
     if heading and not _counts_times(heading[-1]):
         return {}
-    rows = [_row(["", *row], ["", heading[-1]] if heading else [], 0) for row in cells]
+    rows = [row_of(["", *row], ["", heading[-1]] if heading else [], 0) for row in cells]
     return dict(zip(sorted(pictures, key=by_number), rows, strict=True))
 
 
@@ -128,14 +139,18 @@ def _cells(line: str) -> list[str]:
     return cells
 
 
-def _row(cells: Sequence[str], heading: Sequence[str], file_at: int) -> Row:
-    """Row of cells: those whose heading says a setting, or without headings the first number."""
+def row_of(cells: Sequence[str], heading: Sequence[str], file_at: int | None = None) -> Row:
+    """Row of cells: those whose heading says a setting, or without headings the first number.
+
+    `file_at`: the cell that names the picture, if any does.
+    """
     others = [i for i in range(len(cells)) if i != file_at]
     if not heading:
         first = next((i for i in others if _is_number(cells[i])), None)
         return Row() if first is None else Row(*_time(cells[first], ""))
     said: dict[str, float | None] = {}
-    timed = next((i for i in others if _counts_times(heading[i]) and _is_number(cells[i])), None)
+    times = [i for i in others if _counts_times(heading[i]) and _is_number(cells[i])]
+    timed = next((i for i in times if _OF_EXPOSURES.search(heading[i])), next(iter(times), None))
     time, unit = (None, None) if timed is None else _time(cells[timed], heading[timed])
     for key, pattern in (("iso", _ISO), ("gain_db", _GAIN), ("f_number", _F_NUMBER)):
         at = next((i for i in others if i != timed and pattern.search(heading[i])), None)
