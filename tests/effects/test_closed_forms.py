@@ -13,6 +13,7 @@ from tacos_framework.contracts.observed import Estimate
 from tacos_gap.captures import RealCapture
 from tacos_plugins.effects import closed_forms
 from tacos_plugins.effects.crosstalk import Crosstalk
+from tacos_plugins.effects.denoise import Denoise
 from tacos_plugins.effects.dsnu import Dsnu
 from tacos_plugins.effects.edge_spread import are_sharpened, edge_variances_px2
 from tacos_plugins.effects.lens_blur import LensBlur
@@ -93,6 +94,25 @@ def test_defect_columns_are_no_pattern_of_all_columns():
 
 def test_rows_that_jump_are_no_crosstalk():
     assert not any(each.is_seen(0.0) for each in told(Crosstalk, Camera(6, rows=2.0)).values())
+
+
+def test_noise_of_faint_walls_smoothed_more_is_no_crosstalk():
+    camera = Camera(7)
+    walls = []
+    for share, level in ((0.045, 60.0), (0.02, 120.0), (0.005, 180.0)):
+        camera.wrong = {"share": share}
+        walls.append(camera.taken("flat", level))
+    assert not any(each.is_seen(0.0) for each in Crosstalk.estimate_from(walls))
+
+
+def test_white_walls_exclude_denoising_unless_darks_may_be_smoothed():
+    camera = Camera(8)
+    walls = [camera.taken("flat", level, frames=2) for level in np.linspace(60, 180, 60)]
+    found = {each.parameter: each for each in Denoise.estimate_from([camera.taken("dark", 0.0), *walls])}
+    assert found["strength"].is_excluded(0.0)
+    assert not found["threshold"].is_excluded(0.0)
+    assert not found["threshold"].is_seen(0.0)
+    assert [each.parameter for each in Denoise.estimate_from(walls)] == ["strength"]
 
 
 @pytest.mark.parametrize("corners", [0.0, 0.5, 1.0])

@@ -16,7 +16,7 @@ from tacos_framework.testing.samples import sample_frames
 from tacos_framework.values import ContextMissing, FrameBatch
 from tacos_plugins.effects.black_level import BlackLevel
 from tacos_plugins.effects.colour_matrix import ColourMatrix
-from tacos_plugins.effects.denoise import SIZE_PX, Denoise, noise_of_levels
+from tacos_plugins.effects.denoise import Denoise, noise_of_levels
 from tacos_plugins.effects.lens_shading_correction import LensShadingCorrection
 from tacos_plugins.effects.nonlinearity import Nonlinearity
 from tacos_plugins.effects.quantisation import Quantisation
@@ -147,14 +147,18 @@ def test_a_colour_matrix_that_tints_greys_is_refused():
         ColourMatrix.Config(matrix=((1.1, 0, 0), (0, 1, 0), (0, 0, 1)))
 
 
-def test_denoising_is_the_adaptive_wiener_filter():
+@pytest.mark.parametrize("window", [3, 5, 7])
+@pytest.mark.parametrize("threshold", [0.0, 0.01])
+def test_denoising_is_the_adaptive_wiener_filter(window, threshold):
     frame = ndimage.gaussian_filter(np.random.default_rng(2).normal(100, 40, (60, 80)), 2)
     frame += np.random.default_rng(3).normal(0, 2, frame.shape)
-    mean = ndimage.uniform_filter(frame, SIZE_PX)
+    mean = ndimage.uniform_filter(frame, window)
     noise = 0.7 * noise_of_levels(frame[..., None], mean[..., None])[..., 0]
-    expected = signal.wiener(frame, SIZE_PX, noise=noise)
-    seen = run(make(Denoise, strength=0.7), frame[None, ..., None])[0, ..., 0]
-    inside = np.s_[3:-3, 3:-3]  # SciPy takes zeros for what lies beyond the edges
+    noise += (threshold * (WHITE_DN - BLACK_DN)) ** 2
+    expected = signal.wiener(frame, window, noise=noise)
+    denoise = make(Denoise, strength=0.7, threshold=threshold, window=window)
+    seen = run(denoise, frame[None, ..., None])[0, ..., 0]
+    inside = np.s_[4:-4, 4:-4]  # SciPy takes zeros for what lies beyond the edges
     np.testing.assert_allclose(seen[inside], expected[inside], rtol=1e-8)
 
 
@@ -165,7 +169,7 @@ def test_the_noise_of_a_level_is_found_beside_edges_and_texture():
     signal_dn += 10 * np.sin(columns / 4)  # texture far above the noise
     variance = 0.25 * signal_dn + 2
     frame = (signal_dn + rng.normal(0, np.sqrt(variance)))[..., None]
-    mean = ndimage.uniform_filter(signal_dn, SIZE_PX)[..., None]
+    mean = ndimage.uniform_filter(signal_dn, 5)[..., None]
     found = noise_of_levels(frame, mean)[..., 0]
     for dark in (True, False):
         here = (signal_dn < 60) == dark
@@ -180,6 +184,14 @@ def test_denoising_takes_noise_from_flats_and_leaves_it_correlated_while_edges_s
     assert neighbour_correlation(seen[:, :, 10:40]) > 0.3
     edge = seen.mean(axis=(0, 1, 3))
     assert edge[50] - edge[49] > 0.98 * 120
+
+
+def test_a_threshold_smooths_faint_noise_and_leaves_that_of_bright_parts():
+    frames = flats(50.0, 1.0, height=100, width=100)
+    frames[:, :, 50:] = flats(150.0, 8.0, height=100, width=50)
+    seen = run(make(Denoise, threshold=1.5 / (WHITE_DN - BLACK_DN)), frames)
+    assert seen[:, :, 10:40].var() < 0.1
+    assert seen[:, :, 60:90].var() > 0.9 * 64
 
 
 @given(strength=st.floats(0.001, 0.05))

@@ -134,6 +134,7 @@ _WORDED: dict[tuple[str, str], Worded] = {
     ("row-noise", "sigma_dn"): _dn("from row to row"),
     ("row-noise", "column_sigma_dn"): _dn("from column to column"),
     ("denoise", "strength"): _share("of the noise smoothed"),
+    ("denoise", "threshold"): _share("of full scale taken for noise"),
     ("sharpening", "amount"): _share("of the finest detail added again"),
 }
 """By effect and parameter. Pixels and degrees can be pictured as they are, and have no entry."""

@@ -43,6 +43,15 @@ class Measured(NamedTuple):
     standard_error: float
 
 
+def mean_of_groups(groups: Sequence[Sequence[float]]) -> Measured | None:
+    """Mean of all measurements; the groups' scatter is its error, where it is more than that of all."""
+    found = mean_of([value for group in groups for value in group])
+    means = mean_of([float(np.mean(group)) for group in groups])
+    if found is None or means is None:
+        return found
+    return found._replace(standard_error=max(found.standard_error, means.standard_error))
+
+
 def mean_of(values: Sequence[float]) -> Measured | None:
     """Mean of independent measurements; None of fewer than two."""
     if len(values) < 2:
@@ -175,7 +184,8 @@ def neighbour_correlation(captures: Captures, *, diagonal: bool = False) -> Meas
     """Correlation of the noise of neighbours beside each other in walls, or at a corner [1].
 
     Lines share offsets, by rows that jump and lamps that flicker, and are brought to one mean. That costs
-    neighbours in a line of n pixels 1/n of their correlation, which is given back.
+    neighbours in a line of n pixels 1/n of their correlation, which is given back. What crosstalk correlates,
+    walls show alike; where they do not, software smooths faint noise more.
     """
     found = []
     for wall in whole_walls(captures, frames=2):
@@ -185,8 +195,8 @@ def neighbour_correlation(captures: Captures, *, diagonal: bool = False) -> Meas
                 difference = difference - difference.mean(axis=axis, keepdims=True)
             lost = 0.0 if diagonal else (1 / difference.shape[0] + 1 / difference.shape[1]) / 2
             parts = _parts(difference[None])
-            found += [_correlation(part - part.mean(), diagonal) + lost for part in parts]
-    return mean_of(found)
+            found.append([_correlation(part - part.mean(), diagonal) + lost for part in parts])
+    return mean_of_groups(found)
 
 
 def is_white(captures: Captures) -> bool:

@@ -4,19 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tacos_framework import Captures, Estimate, ImageContext, ImageGeometry, Settings, ShownBy, Stage, setting
+from tacos_framework import (
+    Captures,
+    Estimate,
+    ImageContext,
+    ImageGeometry,
+    Settings,
+    ShownBy,
+    Stage,
+    of_kind,
+    setting,
+)
 from tacos_plugins.effects import closed_forms
 from tacos_plugins.effects.samples import Samples
 from tacos_plugins.effects.shown_by import REPEATED_FLAT
 
-SIZE_PX = 5
-"""Edge of the window [px]."""
 _STRIDE = 2  # places between these tell little more of the noise
 _LEVELS = 8
 _SECOND_DIFFERENCE = np.array([[1.0, -2.0, 1.0], [-2.0, 4.0, -2.0], [1.0, -2.0, 1.0]])
@@ -24,15 +32,16 @@ _SIGMA_OF_MEDIAN = 1 / (0.6745 * 6)  # the squares of the weights above come to 
 
 
 class Denoise:
-    """Adaptive Wiener filter over 5 x 5 samples: flat parts become their mean, edges stay.
+    """Adaptive Wiener filter: flat parts become their mean, edges stay.
 
-        y = m + max(v - s n, 0) / v (x - m)
+        y = m + max(v - s n - t^2, 0) / v (x - m)
 
-    with m and v the local mean and variance, n the variance of the noise at that level as found in the image
-    and s the strength. In flat parts the noise shrinks and what is left of it is correlated; texture
-    fainter than the noise goes with it, while strong edges keep both sharpness and noise. The filter was
-    chosen over bilateral or non-local ones because its strength is one continuous number with a meaning, and
-    because it is fast.
+    with m and v the mean and variance of the samples in a window, n the variance of the noise at that level
+    as found in the image, s the strength and t the threshold. In flat parts the noise shrinks and what is
+    left of it is correlated; texture fainter than the noise goes with it, while strong edges keep both
+    sharpness and noise. Software that knows how noise grows with light has a strength; software that does
+    not has a threshold, and smooths the dark where it leaves the noise of bright parts. The filter was chosen
+    over bilateral or non-local ones because its numbers have a meaning, and because it is fast.
 
     The window counts pixels of the image it is given: at another binning the filter is another one, as is
     that of a camera whose processing follows the binning.
@@ -45,14 +54,21 @@ class Denoise:
         strength: float = setting(
             0.0, help="Variance taken for noise over that found; 1 is the Wiener filter.", ge=0, le=10
         )
+        threshold: float = setting(
+            0.0, help="Deviation taken for noise at every level, over the range of codes.", ge=0, le=0.2
+        )
+        window: Literal[3, 5, 7] = setting(5, help="Samples along an edge of the window.")
 
     stage: ClassVar[Stage] = "isp"
     rank: ClassVar[int] = 40
-    neutral: ClassVar[Mapping[str, Any]] = {"strength": 0.0}
+    neutral: ClassVar[Mapping[str, Any]] = {"strength": 0.0, "threshold": 0.0}
     initial_guesses: ClassVar[Sequence[Mapping[str, Any]]] = (
         {"strength": 0.2},
         {"strength": 1.0},
         {"strength": 3.0},
+        {"strength": 1.0, "window": 3},
+        {"threshold": 0.004},
+        {"threshold": 0.015},
     )
     shown_by: ClassVar[Sequence[ShownBy]] = (REPEATED_FLAT,)
 
@@ -61,32 +77,45 @@ class Denoise:
 
     @classmethod
     def estimate_from(cls, captures: Captures) -> Iterator[Estimate]:
-        """None, where the noise of neighbours in walls is independent; else it tells not how much."""
+        """None, where the noise of neighbours in walls is independent; else it tells not how much.
+
+        Walls say nothing of a threshold that only the fainter noise of darks lies below.
+        """
         if closed_forms.is_white(captures):
             yield Estimate("strength", 0.0, 0.0, negligible=0.01)
+            if any(dark.frames > 1 for dark in of_kind(captures, "dark")):
+                yield Estimate("threshold", 0.0, 1.0, negligible=0.001)
 
     def on_array(
         self, signal: Samples, *, geometry: ImageGeometry, context: ImageContext, rng: np.random.Generator
     ) -> Samples:
-        if self.config.strength == 0:
+        strength, threshold = self.config.strength, self.config.threshold
+        if strength == threshold == 0:
             return signal
+        threshold_dn2 = (threshold * (context.white_level_dn - context.black_level_dn)) ** 2
         smooth = np.empty_like(signal)
         for frame, out in zip(signal, smooth, strict=True):
-            out[:] = wiener(frame, self.config.strength)
+            out[:] = wiener(frame, strength, threshold_dn2, self.config.window)
         return smooth
 
 
-def wiener(frame: NDArray[np.floating], strength: float) -> NDArray[np.floating]:
-    """One (H, W, C) frame, each channel filtered by itself."""
-    mean = _local_mean(frame)
-    variance = np.maximum(_local_mean(frame * frame) - mean * mean, 0)
-    kept = np.maximum(variance - strength * noise_of_levels(frame, mean), 0)
+def wiener(
+    frame: NDArray[np.floating], strength: float, threshold_dn2: float, window: int
+) -> NDArray[np.floating]:
+    """One (H, W, C) frame, each channel filtered by itself.
+
+    `threshold_dn2`: variance taken for noise at all levels, beside `strength` times that found [DN^2].
+    """
+    mean = _local_mean(frame, window)
+    variance = np.maximum(_local_mean(frame * frame, window) - mean * mean, 0)
+    taken = strength * noise_of_levels(frame, mean) + threshold_dn2 if strength else threshold_dn2
+    kept = np.maximum(variance - taken, 0)
     kept /= np.maximum(variance, np.finfo(frame.dtype).tiny)
     return mean + kept * (frame - mean)
 
 
-def _local_mean(frame: NDArray[np.floating]) -> NDArray[np.floating]:
-    blurred = np.asarray(cv2.blur(frame, (SIZE_PX, SIZE_PX), borderType=cv2.BORDER_REFLECT), frame.dtype)
+def _local_mean(frame: NDArray[np.floating], window: int) -> NDArray[np.floating]:
+    blurred = np.asarray(cv2.blur(frame, (window, window), borderType=cv2.BORDER_REFLECT), frame.dtype)
     return blurred[..., None] if blurred.ndim == 2 else blurred  # OpenCV drops an axis of one channel
 
 
