@@ -12,6 +12,12 @@ _TIME = re.compile(
 )
 """A decimal point or comma, or ``2p5ms``; the micro sign, or the Greek letter."""
 
+_WITHOUT_UNIT = re.compile(
+    r"(?<![a-z])(?:exp(?:osure)?(?: ?time)?|shutter|integration(?: ?time)?|tint)[ =:-]?"
+    r"(\d+(?:[.,]\d+)?)(?![a-z0-9.,]|\s?(?:ns|us|ms|msec|s|sec)(?![a-z]))",
+    re.IGNORECASE,
+)
+
 _THOUSANDS = re.compile(r"[1-9]\d{0,2},\d{3}")
 """``8,000us`` is eight milliseconds to some, eight microseconds to others."""
 
@@ -70,6 +76,16 @@ def possible_time_ms(stem: str) -> float | None:
         if unit is None and joint != "-" and above == "1" and below in _ON_DIALS:
             return 1e3 / below
     return None
+
+
+def time_without_unit(stem: str) -> float | None:
+    """The number that a name calls an exposure time without saying what it counts.
+
+    >>> time_without_unit("ExposureTime5000_Gain4"), time_without_unit("exp_0.25"), time_without_unit("5")
+    (5000.0, 0.25, None)
+    """
+    found = _WITHOUT_UNIT.search(stem.replace("_", " "))
+    return float(found[1].replace(",", ".")) if found else None
 
 
 def _fractions(stem: str) -> Iterator[tuple[str, str, str, float, str | None]]:

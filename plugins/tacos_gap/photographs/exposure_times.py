@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from scipy.stats import spearmanr
 
-from tacos_files.exposure_names import possible_time_ms
+from tacos_files.exposure_names import possible_time_ms, time_without_unit
 from tacos_gap.photographs.facts import OF_NAME
 from tacos_gap.photographs.given import Given, Guess
 from tacos_gap.photographs.names import settings_in_name
@@ -20,8 +20,10 @@ from tacos_gap.report.words import first_of
 _AGREE = 0.1
 """Relative difference of two statements of one time: dials and EXIF round 1/60 s to .0167 or .0156."""
 
-_LONGEST_S, _LONGEST_MS = 60.0, 60_000.0
-"""Numbers up to the first are taken for seconds, up to the second for milliseconds, else microseconds."""
+_UNITS_MS = {"seconds": 1e3, "milliseconds": 1.0, "microseconds": 1e-3}
+
+_USUAL_MS = 10.0
+"""Exposure time about which those of cameras lie; numbers without a unit count what brings them nearest."""
 
 _CLEAR = 0.5
 """Rank correlation of time and brightness from which on brightness says which way the numbers run."""
@@ -125,39 +127,56 @@ def _in_ms(
         )
         guesses.append(Guess(text))
         return lambda row: None if row.time is None else 1e3 / row.time
-    units = (("seconds", 1e3), ("milliseconds", 1.0), ("microseconds", 1e-3))
-    largest = max(numbers, default=0.0)
-    unit, ms = units[int(largest > _LONGEST_S) + int(largest > _LONGEST_MS)]
-    others = " or ".join(other for other, _ in units if other != unit)
+    unit = _likeliest_unit(numbers)
     guesses.append(
         Guess(
-            f"{name} says no unit: its numbers, up to {largest:g}, are taken for {unit}; else they are "
-            f"{others}. Write a heading such as exposure_ms."
+            f"{name} says no unit: its numbers, up to {max(numbers, default=0.0):g}, are taken for {unit}; "
+            f"else they are {_other_units(unit)}. Write a heading such as exposure_ms."
         )
     )
-    return lambda row: None if row.time is None else row.time * ms
+    return lambda row: None if row.time is None else row.time * _UNITS_MS[unit]
+
+
+def _likeliest_unit(numbers: Sequence[float]) -> str:
+    """What exposure times without a unit count, by how long cameras expose."""
+    middle = float(np.mean(np.log10([number for number in numbers if number > 0] or [1.0])))
+    return min(_UNITS_MS, key=lambda unit: abs(middle + np.log10(_UNITS_MS[unit] / _USUAL_MS)))
+
+
+def _other_units(unit: str) -> str:
+    return " or ".join(other for other in _UNITS_MS if other != unit)
 
 
 def _with_possible(pictures: Sequence[Picture], guesses: list[Guess]) -> list[Picture]:
-    """Pictures of which ``1_250`` in the names are times, since they get brighter with them."""
-    times_ms = {
-        picture: time_ms
-        for picture in pictures
-        if picture.facts.exposure_ms is None and (time_ms := possible_time_ms(picture.path.stem))
-    }
-    if len(set(times_ms.values())) < 3 or _order(list(times_ms.values()), list(times_ms)) < 0.9:
-        return list(pictures)
+    """Pictures whose names hold times without a unit (``exposure5000``), or what may be times (``1_250``)."""
+    untimed = [picture for picture in pictures if picture.facts.exposure_ms is None]
+    numbers = {p: number for p in untimed if (number := time_without_unit(p.path.stem))}
+    if numbers and not _count(numbers.values()):
+        unit = _likeliest_unit(list(numbers.values()))
+        times_ms = {picture: number * _UNITS_MS[unit] for picture, number in numbers.items()}
+        why, remedy = "in the unit that cameras likeliest expose for", f"else they count {_other_units(unit)}"
+    else:
+        times_ms = {p: time_ms for p in untimed if (time_ms := possible_time_ms(p.path.stem))}
+        if len(set(times_ms.values())) < 3 or _order(list(times_ms.values()), list(times_ms)) < 0.9:
+            return list(pictures)
+        why, remedy = "since the pictures get brighter with them", "else they are numbers"
     first = next(iter(times_ms))
     guesses.append(
         Guess(
-            f"Names are taken for shutter times ({first.name}: {times_ms[first]:g} ms), since the pictures "
-            f"get brighter with them; else they are numbers. Name them as in wall_4ms.png."
+            f"Names are taken for shutter times ({first.name}: {times_ms[first]:g} ms), {why}; {remedy}. "
+            f"Name them as in wall_4ms.png."
         )
     )
     return [
         replace(p, facts=replace(p.facts, exposure_ms=times_ms[p], time_from=OF_NAME)) if p in times_ms else p
         for p in pictures
     ]
+
+
+def _count(numbers: Iterable[float]) -> bool:
+    """True of numbers that only count: ``exp1``, ``exp2``, ``exp3``."""
+    distinct = sorted(set(numbers))
+    return distinct[0] in (0, 1) and distinct == [distinct[0] + k for k in range(len(distinct))]
 
 
 def _with_answers(picture: Picture, given: Given) -> Picture:

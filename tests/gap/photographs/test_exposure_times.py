@@ -101,6 +101,24 @@ def test_loose_fractions_in_names_are_times_where_brightness_agrees(tmp_path):
     )
 
 
+@pytest.mark.parametrize(
+    ("names", "expected_ms"),
+    [
+        ([f"view_ExposureTime{t * 1e3:g}_Gain4" for t in TIMES_MS], TIMES_MS),
+        ([f"{k}_exp_{t:g}" for k, t in enumerate(TIMES_MS)], TIMES_MS),
+        ([f"shutter{t / 1e3:g} ({k})" for k, t in enumerate(TIMES_MS)], TIMES_MS),
+        ([f"scene_exp{k}" for k in (1, 2, 3, 4)], [None] * 4),
+    ],
+)
+def test_times_without_a_unit_count_what_cameras_expose_for(tmp_path, names, expected_ms):
+    bracket(tmp_path / "in", names)
+    found = import_photographs([tmp_path / "in"], tmp_path / "out")
+    by_name = {e["real"][0].rpartition("/")[2]: e.get("exposure_ms") for e in found.entries}
+    assert [by_name[f"{name}.png"] for name in names] == pytest.approx(expected_ms)
+    marked = [guess.text for guess in found.guesses if "Names are taken for shutter times" in guess.text]
+    assert len(marked) == (expected_ms[0] is not None)
+
+
 def test_a_table_that_contradicts_the_names_is_doubted_and_taken(tmp_path):
     names = [f"a_{t:g}ms" for t in (1, 2, 3, 4)]
     bracket(tmp_path / "in", names)
