@@ -22,7 +22,15 @@ from tacos_framework.recipe import Use
 from tacos_framework.simulation import Evaluation
 from tacos_framework.store import Results
 from tacos_framework.testing import ProcedureConformance
-from tacos_validation.rank_agreement.agreement import Agreement, agreement, agreement_of_halves, places, tau_b
+from tacos_validation.rank_agreement.agreement import (
+    Agreement,
+    DecidedPairs,
+    agreement,
+    agreement_of_halves,
+    decided_pairs,
+    places,
+    tau_b,
+)
 from tacos_validation.rank_agreement.measure import RankAgreement
 from tacos_validation.rank_agreement.outcome import RankedLight, RankOutcome
 
@@ -133,6 +141,16 @@ def test_halves_that_say_the_same_agree_and_those_of_chance_alone_do_not():
     assert agreement_of_halves("ab", _on({"a": [1.0], "b": [2.0]}), 1, resamples=9, rng=rng) is None
 
 
+def test_pairs_count_as_decided_where_nearly_all_draws_of_scenes_agree():
+    full = {"a": [3.0, 3.1, 2.9], "b": [2.0, 2.1, 1.9], "c": [1.0, 5.0, -3.0]}  # c hangs on the scenes
+    small = {"a": [1.0, 1.0, 1.0], "b": [2.0, 2.0, 2.0], "c": [0.0, 0.0, 0.0]}
+    counted = {"scenes": 3, "resamples": 200, "confidence": 0.95}
+    rng = np.random.default_rng(1)
+    assert decided_pairs("abc", _on(full), _on(full), rng=rng, **counted) == DecidedPairs(1, 1)
+    assert decided_pairs("abc", _on(small), _on(full), rng=rng, **counted) == DecidedPairs(1, 0)
+    assert decided_pairs("abc", _on(full), _on(full), rng=rng, **{**counted, "scenes": 1}) is None
+
+
 # the procedure ----------------------------------------------------------------------------------------------
 
 
@@ -156,6 +174,9 @@ def test_what_both_studies_share_is_said(ranked):
     assert set(result["tau_of_halves"]) == {"day", "night"}
     for text in (result["rank_notes"][0], (out / "report.html").read_text()):
         assert f"{result['tau_of_halves']['day']:.2f} by day" in text
+    decided = result["pairs_decided"]["night"]
+    assert 0 <= decided["alike"] <= decided["pairs"] <= 15
+    assert f"tells {decided['pairs']} of 15 pairs" in result["rank_notes"][1]
 
 
 def test_parts_are_seen_at_the_field_of_view_asked_for(study, toys):

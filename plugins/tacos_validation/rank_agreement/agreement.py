@@ -18,6 +18,14 @@ class Agreement:
     interval: tuple[float, float] | None  # its bootstrap interval over scenes; None where that cannot be told
 
 
+@dataclass(frozen=True)
+class DecidedPairs:
+    """Pairs of cameras whose order the scenes settle in one study, and how many the other orders alike."""
+
+    pairs: int
+    alike: int
+
+
 def tau_b(first: Sequence[float], second: Sequence[float]) -> float | None:
     """Kendall's tau-b, which takes ties into account: 1 for equal orders, -1 for opposite ones.
 
@@ -90,6 +98,40 @@ def agreement_of_halves(
     found = [_tau_between(cameras, fitness, draw[:half], fitness, draw[half : 2 * half]) for draw in draws]
     known = [tau for tau in found if tau is not None]
     return float(np.median(known)) if known else None
+
+
+def decided_pairs(
+    cameras: Sequence[str],
+    judged: FitnessOn,
+    trusted: FitnessOn,
+    scenes: int,
+    *,
+    resamples: int,
+    confidence: float,
+    rng: np.random.Generator,
+) -> DecidedPairs | None:
+    """Pairs that the trusted study orders alike in nearly all draws of scenes, and the judged one's order.
+
+    None below two scenes, which settle nothing.
+
+    `scenes`: how many there are. `confidence`: the share of draws that must order a pair alike.
+    """
+    if scenes < 2:
+        return None
+    own, other = (_fitness_on(range(scenes), cameras, study) for study in (trusted, judged))
+    draws = rng.integers(scenes, size=(resamples, scenes)).tolist()
+    drawn = np.array([_fitness_on(draw, cameras, trusted) for draw in draws])
+    first, second = np.triu_indices(len(cameras), 1)
+    order = np.sign(own[first] - own[second])
+    settled = np.mean(np.sign(drawn[:, first] - drawn[:, second]) == order, axis=0) >= confidence
+    settled &= order != 0
+    alike = np.sign(other[first] - other[second]) == order
+    return DecidedPairs(int(settled.sum()), int((settled & alike).sum()))
+
+
+def _fitness_on(scenes: Sequence[int], cameras: Sequence[str], study: FitnessOn) -> NDArray[np.float64]:
+    """(cameras,) fitness; not a number where there is none."""
+    return np.array([study(name, scenes) for name in cameras], np.float64)
 
 
 def _tau_on(

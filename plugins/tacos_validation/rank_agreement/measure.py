@@ -10,7 +10,7 @@ from tacos_framework import Evaluation, Executor, Plugins, Progress, generator
 from tacos_framework.plan import Plan, make_plan
 from tacos_framework.store import Results
 from tacos_validation.harness import FaultsTogether, leave, study_recipe
-from tacos_validation.rank_agreement.agreement import agreement, agreement_of_halves, tau_b
+from tacos_validation.rank_agreement.agreement import agreement, agreement_of_halves, decided_pairs, tau_b
 from tacos_validation.rank_agreement.cameras import RankedCamera, cameras_of
 from tacos_validation.rank_agreement.outcome import SIZES, RankedLight, RankOutcome
 from tacos_validation.rank_agreement.pages import page, summary, table_csv
@@ -93,7 +93,17 @@ class RankAgreement:
                 resamples=self.config.resamples,
                 rng=generator(seed, "rank agreement, halves", light),
             )
-            lights.append(RankedLight(light, found, _by_score(ranked, quick, full), evaluations, of_halves))
+            decided = decided_pairs(
+                ranked,
+                judges["quick"],
+                judges["full"],
+                self._scenes(plans[light, "full"]),
+                resamples=self.config.resamples,
+                confidence=self.config.confidence,
+                rng=generator(seed, "rank agreement, decided pairs", light),
+            )
+            by_score = _by_score(ranked, quick, full)
+            lights.append(RankedLight(light, found, by_score, evaluations, of_halves, decided))
         first = next(iter(plans.values()))
         notes = tuple(
             f"{name} learns in the study; here it is scored with the weights it starts from."

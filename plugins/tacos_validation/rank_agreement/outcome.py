@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from tacos_framework import Evaluation
-from tacos_validation.rank_agreement.agreement import Agreement, places
+from tacos_validation.rank_agreement.agreement import Agreement, DecidedPairs, places
 
 SIZES = ("quick", "full")
 """The study as it stands, and at full size."""
@@ -25,6 +26,8 @@ class RankedLight:
     """For each size what came out for each camera, by name."""
     of_halves: float | None = None
     """Median tau-b of the study at full size with itself, on two halves of the scenes; None where unknown."""
+    decided: DecidedPairs | None = None
+    """Pairs that the study at full size tells apart; None where it has one scene."""
 
     @property
     def ranked(self) -> tuple[str, ...]:
@@ -115,6 +118,17 @@ class RankOutcome:
             else ""
         )
 
+    @property
+    def of_decided_pairs(self) -> str:
+        """What becomes of pairs that the study at full size tells apart; empty where that is unknown."""
+        return " ".join(
+            f"By {light.name} the study at full size tells {light.decided.pairs} of "
+            f"{math.comb(len(light.ranked), 2)} pairs of cameras apart on these scenes, and the small one "
+            f"orders {light.decided.alike} of them alike."
+            for light in self.lights
+            if light.decided is not None
+        )
+
     def as_data(self) -> dict[str, Any]:
         intervals = {light.name: light.agreement.interval for light in self.lights}
         return {
@@ -122,6 +136,9 @@ class RankOutcome:
             "tau": {light.name: light.agreement.tau for light in self.lights},
             "tau_interval": {name: list(found) if found else None for name, found in intervals.items()},
             "tau_of_halves": {light.name: light.of_halves for light in self.lights},
+            "pairs_decided": {
+                light.name: asdict(light.decided) if light.decided else None for light in self.lights
+            },
             "tau_by_score": {light.name: dict(light.by_score) for light in self.lights},
             "passes": self.passes,
             "doubts": list(self.doubts),
@@ -130,7 +147,7 @@ class RankOutcome:
             "table": [row for light in self.lights for row in _rows(light)],
             "left_out": [row for light in self.lights for row in light.left_out()],
             "cost": self.cost(),
-            "rank_notes": [self.shared, *self.notes],
+            "rank_notes": [note for note in (self.shared, self.of_decided_pairs, *self.notes) if note],
         }
 
     def cost(self) -> dict[str, dict[str, float]]:

@@ -18,7 +18,7 @@ def summary(outcome: RankOutcome) -> str:
     lines = [_finding(outcome)]
     for light in outcome.lights:
         lines.append(f"{light.name}: tau {_tau(light)}, {len(light.ranked)} cameras")
-    lines.append(outcome.shared)
+    lines += filter(None, (outcome.of_decided_pairs, outcome.shared))
     return "\n".join([*lines, *(_left_out(row) for light in outcome.lights for row in light.left_out())])
 
 
@@ -31,6 +31,7 @@ def page(outcome: RankOutcome) -> Page:
     cost = outcome.cost()
     quick, full = (cost[size] for size in SIZES)
     left_out = tuple(_left_out(row) for light in outcome.lights for row in light.left_out())
+    told = (outcome.shared, outcome.of_decided_pairs)
     warned = (*outcome.doubts, *left_out, *outcome.notes)
     return Page(
         eyebrow="Rank agreement",
@@ -42,7 +43,7 @@ def page(outcome: RankOutcome) -> Page:
             f"in brackets its {outcome.confidence:.0%} interval over draws of scenes."
         ),
         sections=(
-            Section("What it does not tell", (Paragraph(outcome.shared),)),
+            Section("What it does not tell", tuple(map(Paragraph, filter(None, told)))),
             *((Section("Notes", (Warnings("What to know", warned),)),) if warned else ()),
             *(Section(f"By {light.name}", _by_light(light)) for light in outcome.lights),
             Section(
