@@ -16,6 +16,7 @@ from tacos_plugins.effects.auto_exposure import AutoExposure
 from tacos_plugins.effects.exposure_error import ExposureError
 from tacos_plugins.effects.flicker import Flicker
 from tacos_plugins.effects.illumination_gradient import IlluminationGradient
+from tacos_plugins.effects.row_waves import common_wave
 from tacos_plugins.effects.veiling_glare import VeilingGlare
 from tests.effects.light_arrays import GEOMETRY, light, run
 
@@ -73,6 +74,30 @@ def test_flicker_is_a_wave_over_the_rows_whose_phase_moves():
     np.testing.assert_allclose(np.abs(np.delete(spectra, [0, 3], axis=1)), 0, atol=1e-12)
     assert np.ptp(np.angle(spectra[:, 3])) > 1.0
     assert not run(Flicker, np.zeros_like(frames), depth=0.2).any()
+
+
+@pytest.mark.parametrize("period_rows", [41.0, 113.8, 190.0])
+def test_frames_that_differ_by_a_lamp_tell_its_period_and_depth(period_rows):
+    """Also where a wave is longer than the picture, beside an expectation that is wrong in every frame."""
+    rng = np.random.default_rng(8)
+    rows = np.arange(120)
+    groups = []
+    for _ in range(5):
+        phases = rng.uniform(0, 2 * np.pi, (4, 1))
+        wrong = 0.3 * rng.standard_normal(120)
+        lamp = 0.08 * np.sin(2 * np.pi * rows / period_rows + phases)
+        groups.append(wrong + lamp + 0.003 * rng.standard_normal((4, 120)))
+    periods = [32 * 120 / k for k in range(8, 900)]
+    found = common_wave(groups, periods)
+    assert found.period == pytest.approx(period_rows, rel=0.03)
+    assert found.amplitude == pytest.approx(0.08, rel=0.2)  # by the luck of the phases
+    assert found.share > 0.9
+
+
+def test_frames_that_differ_by_noise_share_no_wave():
+    rng = np.random.default_rng(9)
+    groups = [rng.standard_normal((4, 120)) for _ in range(5)]
+    assert common_wave(groups, [32 * 120 / k for k in range(8, 900)]).share < 0.2
 
 
 def test_flicker_counts_the_rows_of_the_sensor():

@@ -20,9 +20,12 @@ from tacos_framework import (
     lit,
     setting,
 )
-from tacos_plugins.effects.row_waves import SHADING_DEGREE, amplitudes
+from tacos_plugins.effects.row_waves import SHADING_DEGREE, CommonWave, amplitudes, common_wave
 from tacos_plugins.effects.samples import Samples
 from tacos_plugins.effects.shown_by import LAMPS
+
+_MOSTLY = 0.5
+"""Share of what differs between frames from which on a wave is looked for at its own period alone."""
 
 
 class Flicker:
@@ -53,7 +56,12 @@ class Flicker:
 
     @classmethod
     def guesses_from(cls, captures: Captures) -> Iterator[Mapping[str, Any]]:
-        """The three strongest waves over the rows that differ by more than a quarter."""
+        """The wave that parts repeated frames; without such, the three strongest
+        waves over the rows that differ by more than a quarter.
+        """
+        if (wave := wave_between_frames(captures)) is not None:
+            yield {"depth": max(wave.amplitude, 0.005), "period_rows": wave.period}
+            return
         depths = wave_depths(captures)
         chosen: list[float] = []
         for period in sorted(depths, key=lambda period: -depths[period]):
@@ -98,24 +106,46 @@ def lamp_wave(
     return np.asarray(1 + depth * np.sin(angle + phase_rad[:, None, None]))
 
 
-def wave_depths(captures: Captures) -> dict[float, float]:
-    """Depth of the waves over the rows that captures show beside what is expected [1], by period [row].
+def wave_between_frames(captures: Captures) -> CommonWave | None:
+    """The wave by which frames of one picture differ, where most of their difference is one.
 
-    Those with the most rows tell it, at periods between whole fractions of their height, too. Of three frames
-    or more what stays from frame to frame is left out, of fewer what is smooth.
+    Nothing in a scene differs so. The period is sure within a row or two, where a comparison with simulated
+    frames hangs on the luck of the phases.
     """
+    rows = [profiles for profiles in _profiles_of_tallest(captures) if len(profiles) > 2]
+    if not rows:
+        return None
+    wave = common_wave(rows, _periods(rows[0].shape[1], 32, 8))
+    return wave if wave.share > _MOSTLY else None
+
+
+def wave_depths(captures: Captures) -> dict[float, float]:
+    """Depth of the waves over the rows that captures show beside what is smooth [1], by period [row].
+
+    Those with the most rows tell it, at periods between whole fractions of their height, too.
+    """
+    rows = _profiles_of_tallest(captures)
+    if not rows:
+        return {}
+    periods = _periods(rows[0].shape[1], 8, 6)
+    found = [amplitudes(profiles, periods, SHADING_DEGREE).mean(axis=0) for profiles in rows]
+    return dict(zip(periods, np.mean(found, axis=0).tolist(), strict=True))
+
+
+def _periods(height: int, finer: int, longest: int) -> list[float]:
+    """Periods of 2 rows to `finer` / `longest` times the height, `finer` times as dense as its fractions."""
+    return [round(finer * height / k, 2) for k in range(longest, min(finer * 60, finer * height // 2))]
+
+
+def _profiles_of_tallest(captures: Captures) -> list[NDArray[np.float64]]:
+    """(N, H) rows of each frame beside what is expected, over their light, of the captures with most rows."""
     seen = [c for c in lit(captures) if c.expected_dn is not None]
     height = max((c.real_dn.shape[1] for c in seen), default=0)
-    periods = [round(8 * height / k, 2) for k in range(6, min(8 * 60, 4 * height))]
-    found = [_depths_of(c, periods) for c in seen if c.real_dn.shape[1] == height]
-    return dict(zip(periods, np.mean(found, axis=0).tolist(), strict=True)) if found else {}
+    return [_profiles(capture) for capture in seen if capture.real_dn.shape[1] == height]
 
 
-def _depths_of(capture: ObservedCapture, periods: Sequence[float]) -> NDArray[np.float64]:
-    """(K,) mean over frames of the depths of waves of K `periods` [row]."""
+def _profiles(capture: ObservedCapture) -> NDArray[np.float64]:
     assert capture.expected_dn is not None
-    signal = np.maximum(capture.expected_dn.mean(axis=0).mean(axis=-1), 1.0).sum(axis=1)
-    rows = (capture.real_dn - capture.expected_dn).mean(axis=-1).sum(axis=2) / signal
-    if len(rows) > 2:
-        return amplitudes(rows - rows.mean(axis=0), periods).mean(axis=0)
-    return amplitudes(rows, periods, SHADING_DEGREE).mean(axis=0)
+    lit_dn = capture.expected_dn.mean(axis=0).mean(axis=-1) - capture.context.black_level_dn
+    signal = np.maximum(lit_dn, 1.0).sum(axis=1)
+    return np.asarray((capture.real_dn - capture.expected_dn).mean(axis=-1).sum(axis=2) / signal, np.float64)

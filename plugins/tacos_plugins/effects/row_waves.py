@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,46 @@ def amplitudes(
     [[0.3, 0.0]]
     """
     return np.asarray(np.abs(profiles @ _fits(profiles.shape[1], tuple(periods), degree).T))
+
+
+class CommonWave(NamedTuple):
+    """The wave that profiles share but for its phase.
+
+    - `period`: of the wave [row].
+    - `amplitude`: right on average over phases, in the unit of the profiles.
+    - `share`: of the squares of what differs between the profiles.
+    """
+
+    period: float
+    amplitude: float
+    share: float
+
+
+def common_wave(groups: Sequence[NDArray[np.float64]], periods: Sequence[float]) -> CommonWave:
+    """The strongest wave of one period in groups of profiles, each at a phase of its own.
+
+    What the profiles of a group have in common may have any form: it is left out with their mean.
+
+    - `groups`: (N, H) values of rows each; N is 2 or more, H alike.
+    - `periods`: those among which it is looked for [row].
+    """
+    height = groups[0].shape[1]
+    fading = np.sqrt(np.hanning(height + 2)[1:-1])
+    angle = 2 * np.pi * np.arange(height) / np.array(periods)[:, None]
+    waves = np.stack([np.ones_like(angle), np.cos(angle), np.sin(angle)], axis=-1) * fading[:, None]
+    orthogonal, triangle = np.linalg.qr(waves)
+    apart = [(profiles - profiles.mean(axis=0)) * fading for profiles in groups]
+    level = fading / np.linalg.norm(fading)
+    apart = [each - np.outer(each @ level, level) for each in apart]  # frames may be brighter as a whole
+    parts = [(each @ orthogonal)[..., 1:] for each in apart]  # (K, N, 2)
+    taken = np.sum([np.sum(part**2, axis=(1, 2)) for part in parts], axis=0)
+    best = int(np.argmax(taken))
+    squares = [
+        np.sum(np.linalg.solve(triangle[best, 1:, 1:], part[best].T) ** 2) / (len(part[best]) - 1)
+        for part in parts
+    ]
+    whole = sum(float(np.sum(each**2)) for each in apart)
+    return CommonWave(periods[best], float(np.mean(squares)) ** 0.5, float(taken[best]) / max(whole, 1e-300))
 
 
 @lru_cache(maxsize=32)
