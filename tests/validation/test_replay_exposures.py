@@ -78,24 +78,44 @@ def test_a_response_is_found_from_exposures_of_one_scene() -> None:
     np.testing.assert_allclose(found.light_dn[inside], 4095 * (found.code_dn[inside] / 4095) ** 2, rtol=0.02)
 
 
-def test_a_told_response_is_mended_where_exposures_contradict_it(tmp_path: Path) -> None:
+def recorded(folder: Path, texture: np.ndarray, told: np.ndarray, taken_ms: tuple[float, ...]) -> None:
+    """Two frames each of 1, 2 and 4 ms by their names, of a linear camera that exposed for `taken_ms`."""
     rng = np.random.default_rng(3)
-    texture = np.exp(rng.uniform(np.log(100), np.log(950), (96, 128)))
     lines = ["file,taken_ns"]
-    for place, ms in enumerate((1, 2, 4)):
+    for place, (ms, taken) in enumerate(zip((1, 2, 4), taken_ms, strict=True)):
         for frame in range(2):
-            light = np.clip(texture * ms + rng.normal(0, 2, texture.shape), 0, 4095)
-            cv2.imwrite(str(tmp_path / f"{ms:02d}ms_{frame}.png"), light.astype(np.uint16))
+            light = np.clip(texture * taken + rng.normal(0, 2, texture.shape), 0, 4095)
+            cv2.imwrite(str(folder / f"{ms:02d}ms_{frame}.png"), light.astype(np.uint16))
             lines.append(f"{ms:02d}ms_{frame}.png,{frame * STEP_NS + place * 30_000_000}")
-    (tmp_path / "times.csv").write_text("\n".join(lines))
-    codes = np.linspace(0, 4095, 256)
-    np.savetxt(tmp_path / "response.txt", codes + np.maximum(codes - 2500, 0))  # true up to code 2500
+    (folder / "times.csv").write_text("\n".join(lines))
+    np.savetxt(folder / "response.txt", told)
+
+
+CODES = np.linspace(0, 4095, 256)
+
+
+def test_a_told_response_is_mended_where_exposures_contradict_it(tmp_path: Path) -> None:
+    texture = np.exp(np.random.default_rng(4).uniform(np.log(100), np.log(950), (96, 128)))
+    recorded(tmp_path, texture, CODES + np.maximum(CODES - 2500, 0), (1, 2, 4))  # true up to code 2500
     found = read_recording(tmp_path)
     assert "beyond, where they contradict it" in found.response_from
     assert found.told_response is not None
     there = found.response.light(np.array([1000, 2000, 3700], np.uint16))
     np.testing.assert_allclose(there / there[0], [1, 2, 3.7], rtol=0.06)  # told: 4.9
     assert found.clipped("4") > 0  # what was mended stays doubtful
+
+
+def test_a_response_that_is_wrong_for_the_brightest_blames_no_exposure(tmp_path: Path) -> None:
+    texture = np.repeat([20.0, 250.0, 600.0], [30, 26, 44])  # too dark for 1 ms, true and wrong at 4 ms
+    texture = np.random.default_rng(4).permuted(np.resize(texture, (96, 128)))
+    texture *= np.random.default_rng(5).uniform(0.9, 1.1, texture.shape)
+    recorded(tmp_path, texture, CODES + 0.8 * np.maximum(CODES - 1500, 0), (1, 2, 4))
+    assert "contradict it" in read_recording(tmp_path).response_from
+    other = tmp_path / "other"
+    other.mkdir()
+    recorded(other, texture, CODES, (1, 2, 5.2))
+    with pytest.raises(UserError, match=r"4 ms.*is 1\.\d+ times as bright"):
+        read_recording(other)
 
 
 def test_blur_along_the_path_is_the_mean_over_the_longer_exposure() -> None:
@@ -162,6 +182,11 @@ def test_a_blurred_source_that_leaves_next_to_nothing_is_refused() -> None:
     assert refused(0, blur_px=0.2) is None
     assert refused(0, blur_px=4.0) == TOO_FEW_FOR_BLUR
     assert refused(50, blur_px=4.0) is None
+
+
+def test_two_pairs_leave_an_interval_of_counts() -> None:
+    found = replayed(1.0, None, np.full(2, 50.0), {}, ratio=1.0, blur_px=0.0)
+    assert found.interval == pytest.approx((40.2, 59.8), abs=0.1)
 
 
 def test_noise_that_left_few_inliers_counts_for_each_doubling() -> None:

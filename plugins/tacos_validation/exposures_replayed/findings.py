@@ -115,6 +115,10 @@ def replayed(
         change = abs(worse[name] - predicted)
         reason = f"{REASONS[name]}: the same once more changes {predicted:.0f} inliers by {change:.0f}"
         return ReplayedExposure(ms, real, None, None, reason)
-    scatter = float(np.std(np.diff(pairs)) / np.sqrt(2 * len(pairs))) if len(pairs) > 2 else 0.0
+    scatter = float(
+        np.sqrt(max(predicted, 1.0) / len(pairs))
+    )  # of counts, where pairs are too few to tell it
+    if len(pairs) > 2:
+        scatter = float(np.std(np.diff(pairs)) / np.sqrt(2 * len(pairs)))
     half = float(np.sqrt((1.96 * scatter) ** 2 + sum(change**2 for change in changes.values())))
     return ReplayedExposure(ms, real, predicted, (max(predicted - half, 0.0), predicted + half), None)

@@ -29,6 +29,9 @@ _PARTS, _FEWEST_VIEWS = 12, 4
 _ALIKE, _APART = 0.6, 0.3
 """Correlation from which views are alike, and by how much that of the next frame must be less [1]."""
 
+_MOSTLY_BORNE_OUT = 0.3
+"""Share of the codes that a response must hold for, so that wrong exposures would show in them."""
+
 
 def faults_of_stamps(table: Path, files: Sequence[str], stamps_ns: Sequence[int]) -> list[Fault]:
     """Frames that were dropped or doubled, by the steps between stamps of one exposure.
@@ -135,10 +138,21 @@ def overexposed(path: Path, frames: ExposedFrames, clipping_dn: NDArray[np.int64
 
 
 def faults_of_brightness(
-    path: Path, fit: Mapping[str, ExposedFrames], response: Response, bits: int
+    path: Path,
+    fit: Mapping[str, ExposedFrames],
+    response: Response,
+    bits: int,
+    trusted_dn: int | None = None,
 ) -> Iterator[tuple[Fault, float]]:
-    """Exposures whose light is not in proportion to their time, beside the median of all."""
-    usable_dn = 0.02 * ((1 << bits) - 1), 0.9 * ((1 << bits) - 1)
+    """Exposures whose light is not in proportion to their time, beside the median of all.
+
+    `trusted_dn`: code from which on exposures contradict the response. A wrong exposure is a factor at all
+    codes; where they agree on the lower part, it is the response that is wrong above.
+    """
+    white_dn = (1 << bits) - 1
+    usable_dn = 0.02 * white_dn, 0.9 * white_dn
+    if trusted_dn is not None and trusted_dn > _MOSTLY_BORNE_OUT * white_dn:
+        usable_dn = usable_dn[0], min(usable_dn[1], float(response.light(np.array([trusted_dn]))[0]))
     quantiles = np.linspace(0.05, 0.95, 37)
     rates: dict[str, NDArray[np.float64]] = {}
     for name, each in fit.items():

@@ -35,6 +35,7 @@ class FoundResponse:
     response: Response
     origin: str
     contradicted: Response | None = None  # the one that was told, where exposures contradict it in part
+    trusted_dn: int | None = None  # code up to which they bear it out, there
 
 
 def response_of(
@@ -111,4 +112,4 @@ def _borne_out(
     estimated = estimated_response(frames, int(told.code_dn[-1]))
     trusted_dn = int(trusted_codes(frames, told, clipping_dn, _CLOSE).min())
     said = f"{said} up to code {trusted_dn}, and that of the exposures beyond, where they contradict it."
-    return FoundResponse(told.continued(estimated, trusted_dn), said, told)
+    return FoundResponse(told.continued(estimated, trusted_dn), said, told, trusted_dn)

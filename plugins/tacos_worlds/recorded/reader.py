@@ -133,7 +133,7 @@ def read_recording(
     told = response_of(path, fit, bits, clipping_dn, response, faults, bad)
     if told is not None:
         stated = told.contradicted or told.response  # a mended one agrees with wrong exposures, too
-        for fault, exposure_ms in faults_of_brightness(path, fit, stated, bits):
+        for fault, exposure_ms in faults_of_brightness(path, fit, stated, bits, told.trusted_dn):
             faults.append(fault)
             bad.add(exposure_ms)
     if entries and len(found) < fewest and not faults:
