@@ -14,7 +14,7 @@ from renderers.merged import by_material
 from renderers.tour import Tour
 from tacos_framework import Material, World
 from tacos_plugins.renderers.moderngl.context import gl_context
-from tacos_plugins.renderers.moderngl.projection import projection_matrix
+from tacos_plugins.renderers.moderngl.viewpoint import projection_matrix
 
 _NEAR_M = 0.05
 _SKY = (0.6, 0.75, 1.0)
