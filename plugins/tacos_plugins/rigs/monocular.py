@@ -19,6 +19,7 @@ from tacos_plugins.rigs.mounted_camera import (
     derived_optics,
     image_coordinates,
     mounted_camera,
+    tilt_of,
 )
 from tacos_plugins.rigs.optics import Optics, notes_on_circle
 from tacos_plugins.rigs.product import (
@@ -48,14 +49,7 @@ class MonocularRig:
         one.
         """
 
-        pitch_deg: float = setting(
-            0.0,
-            help="Tilt of the camera, positive is up.",
-            unit="deg",
-            ge=-90,
-            le=90,
-            also=("tilt", "elevation"),
-        )
+        pitch_deg: float = tilt_of("the camera")
         focal_length_mm: float | None = setting(
             None,
             help="Focal length of a lens yet to be found, instead of a lens.",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -12,6 +12,12 @@ from tacos_framework import CURRENCIES, Camera, Lens, Projection, Settings, sett
 from tacos_framework.camera import TYPICAL_ROW_TIME_US, agent_from_camera
 from tacos_plugins.rigs.optics import Optics, optics_for
 from tacos_plugins.rigs.sensor_part import SensorPart
+
+
+def tilt_of(cameras: str) -> Any:
+    """The setting of the pitch of one camera, or of several alike."""
+    said = f"Tilt of {cameras}, positive is up."
+    return setting(0.0, help=said, unit="deg", ge=-90, le=90, also=("tilt", "elevation"))
 
 
 class MountSettings(Settings):

@@ -14,6 +14,7 @@ from tacos_plugins.rigs.mounted_camera import (
     derived_optics,
     image_coordinates,
     mounted_camera,
+    tilt_of,
 )
 from tacos_plugins.rigs.optics import Optics, optics_for
 from tacos_plugins.rigs.sensor_part import SensorPart
@@ -39,14 +40,7 @@ class SeveralCamerasConfig(MountSettings):
 class SeveralCamerasVariables(ReadOutVariables):
     """Variables that a recipe may design or fix of all cameras alike."""
 
-    pitch_deg: float = setting(
-        0.0,
-        help="Tilt of all cameras, positive is up.",
-        unit="deg",
-        ge=-90,
-        le=90,
-        also=("tilt", "elevation"),
-    )
+    pitch_deg: float = tilt_of("all cameras")
 
 
 @dataclass(frozen=True)

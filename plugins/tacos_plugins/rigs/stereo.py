@@ -19,6 +19,7 @@ from tacos_plugins.rigs.mounted_camera import (
     derived_optics,
     image_coordinates,
     mounted_camera,
+    tilt_of,
 )
 from tacos_plugins.rigs.optics import Optics, notes_on_circle
 from tacos_plugins.rigs.product import (
@@ -78,14 +79,7 @@ class StereoRig:
             "instead of a field of view and a projection: a file, or its numbers.",
             is_path=True,
         )
-        pitch_deg: float = setting(
-            0.0,
-            help="Tilt of both cameras, positive is up.",
-            unit="deg",
-            ge=-90,
-            le=90,
-            also=("tilt", "elevation"),
-        )
+        pitch_deg: float = tilt_of("both cameras")
 
         camera: StereoProduct | None = setting(
             None, help="A whole stereo camera: a row of a catalog, or what is known of it."
